@@ -1,0 +1,67 @@
+// Images in memory, and the one place that reads and writes image files (OpenImageIO 2.4 to 3).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace ohb {
+
+/// Interleaved float pixels, row 0 at the top.
+struct Image {
+  int width_px = 0, height_px = 0, channels = 0;
+  std::vector<float> values;
+
+  Image() = default;
+  Image(int width, int height, int channel_count)
+      : width_px(width), height_px(height), channels(channel_count),
+        values(static_cast<size_t>(width) * height * channel_count, 0.0f) {}
+  float* pixel(int x, int y) { return &values[(static_cast<size_t>(y) * width_px + x) * channels]; }
+  const float* pixel(int x, int y) const {
+    return &values[(static_cast<size_t>(y) * width_px + x) * channels];
+  }
+};
+
+/// How a file stored its values, as far as a reader must know.
+struct ImageFileInfo {
+  int bits = 0;              // per channel: 8, 16, 32
+  bool is_float = false;     // half or float
+  bool has_alpha = false;    // the last channel is alpha
+};
+
+/// Any PNG, JPEG, TIFF, EXR or HDR, values as stored: integers over their maximum (encoded values stay
+/// encoded), floats as they are, alpha never premultiplied into the colour.
+/// Throws InputError for a file that is missing, empty, truncated or not an image.
+Image read_image(const std::filesystem::path& file, ImageFileInfo* info = nullptr);
+
+/// One part of a multi-part EXR.
+struct ExrPart {
+  enum class Type { kHalf, kFloat };
+  std::string name;                    // unique in the file
+  std::vector<std::string> channels;   // as many as the image has, for example {"R", "G", "B"}
+  Type type = Type::kHalf;
+  Image image;
+};
+
+/// String attributes of the file's header, written to each part.
+using ExrAttributes = std::vector<std::pair<std::string, std::string>>;
+
+/// Writes a (multi-part) EXR, zip-compressed, with a fixed DateTime so that equal pixels give equal bytes.
+/// Half values beyond 65504 are clamped. Atomic: written beside `file` and renamed.
+/// Throws InputError if it cannot be written, TryAgainError if the disk is full.
+void write_exr(const std::filesystem::path& file, const std::vector<ExrPart>& parts,
+               const ExrAttributes& attributes);
+
+/// All parts of an EXR, in file order, with the attributes of the first part.
+std::vector<ExrPart> read_exr(const std::filesystem::path& file, ExrAttributes* attributes = nullptr);
+
+/// 8-bit (or 16-bit) PNG of 1, 3 or 4 channels; values are clamped to [0,1], scaled and rounded, not converted.
+/// Atomic. Throws as write_exr.
+void write_png(const std::filesystem::path& file, const Image& image, int bits = 8);
+
+/// The part of that name. Throws InputError (naming `file`) if there is none.
+const ExrPart& find_part(const std::vector<ExrPart>& parts, const std::string& name,
+                         const std::filesystem::path& file);
+
+}  // namespace ohb
