@@ -1,0 +1,34 @@
+// Latitude-longitude environment maps.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "dataset/model/image.h"
+#include "dataset/model/vec.h"
+
+namespace ohb {
+
+/// Linear Rec. 709 radiance, 3 channels, row 0 at the top (+Y). Our axes: u = 1/2 + atan2(z, x) / 2 pi,
+/// v from the top = acos(y) / pi; so the image centre is +X and +Z is at u = 3/4, as Cycles sees it in
+/// Blender's axes (x, -z, y).
+struct Environment {
+  std::string name;   // the file's stem
+  std::filesystem::path file;
+  std::string sha256;
+  Image radiance;
+};
+
+/// Throws InputError: not an image, aspect ratio other than 2:1, NaN, infinite or negative texel (naming the
+/// first one and how many), all black.
+Environment read_environment(const std::filesystem::path& file);
+
+/// Texture coordinates (u, v from the top) of a unit direction.
+Vec2f environment_uv(Vec3f direction);
+/// The unit direction of texture coordinates, inverse of environment_uv.
+Vec3f environment_direction(Vec2f uv);
+
+/// Direction (unit, world) of the brightest texel's centre: the test pixel of the manifest.
+Vec3f brightest_direction(const Environment& environment);
+
+}  // namespace ohb

@@ -1,0 +1,24 @@
+// Specular, roughness and subsurface of the four classes (paper, table of materials; assets/materials.xml).
+#pragma once
+
+#include <array>
+#include <filesystem>
+
+#include "dataset/model/regions.h"
+
+namespace ohb {
+
+/// What a class is made of, in the encodings of the maps (docs/conventions.md).
+struct ClassMaterial {
+  float specular = 0;    // S: sRGB-encoded normal-incidence reflectance, F0 = srgb_to_linear(S)
+  float roughness = 0;   // perceptual, alpha = roughness squared
+  float sss = 0;         // subsurface; scattering radius = sss x (1.0, 0.2, 0.1) cm
+};
+
+using MaterialTable = std::array<ClassMaterial, kClassCount>;
+
+/// Reads materials.xml. Throws InputError: missing class, value that is no number or outside [0,1],
+/// an encoding other than the ones this version knows.
+MaterialTable read_material_table(const std::filesystem::path& file);
+
+}  // namespace ohb

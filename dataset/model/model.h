@@ -1,0 +1,66 @@
+// A renderable model: the mesh in canonical axes and centimetres, and six maps for each texture set.
+// This is what `bake` writes and what `render` and `validate` read.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "dataset/model/image.h"
+#include "dataset/model/vec.h"
+
+namespace ohb {
+
+/// The six UV maps of one UV layout (a scan has one set; a model of parts has one a part), v up, texel
+/// (column i, row r from the top) centred at u = (i + .5) / width, v = 1 - (r + .5) / height, REPEAT.
+/// All maps of a set have the same size.
+struct TextureSet {
+  std::string name;
+  Image albedo;         // 3, linear Rec. 709
+  Image alpha;          // 1, cut-out opacity; empty: opaque
+  Image normal;         // 3, tangent space, signed unit vectors, MikkTSpace, +Y up; empty: flat
+  Image roughness;      // 1
+  Image specular;       // 1, S: F0 = srgb_to_linear(S)
+  Image sss;            // 1
+  Image displacement;   // 1, cm from the plane z = 0 in the rest pose, positive towards +Z
+  Image valid;          // 1, 1 where a face covers the texel, 0.5 where padding filled it, 0 elsewhere
+};
+
+struct ModelTriangle {
+  uint32_t position[3];
+  uint32_t uv[3];
+  uint16_t set;           // index into Model::sets
+  uint8_t material_class; // MaterialClass
+  uint32_t source_face;   // face of the scan
+};
+
+/// Canonical frame: right-handed, Y up, facing +Z, soles at y = 0, bounding box centred at x = z = 0.
+/// Positions are shared across UV seams, so that smooth normals are too.
+struct Model {
+  std::string name;
+  std::vector<Vec3f> positions_cm;
+  std::vector<Vec2f> uvs;
+  std::vector<ModelTriangle> triangles;
+  std::vector<TextureSet> sets;
+  std::string source_sha256;
+};
+
+/// MODEL on disk: model.xml (conventions, sets, sources), mesh.obj, faces.bin (class and source face),
+/// maps/<set>/{albedo,alpha,normal,roughness,specular,sss,displacement}.exr, valid.png and PNG previews.
+void write_model(const std::filesystem::path& folder, const Model& model);
+
+/// Throws InputError for a missing, incomplete or inconsistent folder. NaN and infinite texels are an error.
+Model read_model(const std::filesystem::path& folder);
+
+/// Smooth normals: for each position the sum of the unit normals of its triangles weighted by the corner
+/// angle, normalised (as Blender does); (0,0,1) where nothing remains. Same length as positions_cm.
+std::vector<Vec3f> smooth_normals(const Model& model);
+
+/// Lowest and highest corner of the bounding box, cm.
+struct Bounds {
+  Vec3f low, high;
+};
+Bounds bounds_of(const std::vector<Vec3f>& positions);
+
+}  // namespace ohb

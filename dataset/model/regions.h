@@ -1,0 +1,36 @@
+// The four material classes and a scan's class of each face.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace ohb {
+
+enum MaterialClass : uint8_t { kSkin = 0, kHair = 1, kFabric = 2, kLeather = 3, kUnlabelled = 255 };
+constexpr int kClassCount = 4;
+constexpr std::array<const char*, kClassCount> kClassNames = {"skin", "hair", "fabric", "leather"};
+
+/// The class of that name, or kUnlabelled if there is none.
+MaterialClass class_from_name(const std::string& name);
+
+/// Class of each face of a scan, in source face order.
+struct Regions {
+  std::vector<uint8_t> face_class;   // MaterialClass
+  std::string scan_sha256;           // of the scan's mesh file; guards against another mesh's labels
+};
+
+/// REGIONS on disk is a folder: regions.xml (conventions, counts, scan hash), faces.txt (one class index a
+/// line in source face order), index maps and a report as the label command writes them.
+void write_regions(const std::filesystem::path& folder, const Regions& regions);
+/// Throws InputError for a missing or malformed folder.
+Regions read_regions(const std::filesystem::path& folder);
+
+/// Finished per-face classes: one index a line. `classes` names what each index means (default: ours).
+/// Throws InputError naming the line for anything that is not an index, and for a wrong number of lines.
+std::vector<uint8_t> read_face_classes(const std::filesystem::path& file, size_t face_count,
+                                       const std::vector<std::string>& classes);
+
+}  // namespace ohb
