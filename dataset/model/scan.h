@@ -3,21 +3,35 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "dataset/model/image.h"
 #include "dataset/model/vec.h"
 
 namespace ohb {
 
-/// One material of the file. Pictures are absolute paths to existing, readable images; empty if there is none.
+/// A picture of a material: a file on disk, or the bytes of one that the scan's own file embeds (GLB, FBX).
+/// Embedded pictures stay in memory: reading a scan writes nothing.
+struct ScanPicture {
+  std::filesystem::path file;  // absolute; embedded: "<scan file>#<name>", a unique key, no file
+  std::shared_ptr<const std::string> embedded;  // the encoded PNG, JPEG, ... ; null for a file on disk
+  bool empty() const { return file.empty(); }
+};
+
+/// The picture's pixels as read_image(path) gives them: values as stored, alpha not premultiplied.
+/// Throws InputError naming `picture.file` if it is truncated or not an image.
+Image read_image(const ScanPicture& picture, ImageFileInfo* info = nullptr);
+
+/// One material of the file. Pictures exist and carry the header of an image; empty() if there is none.
 struct ScanMaterial {
   std::string name;
-  std::filesystem::path diffuse;   // sRGB colour; its alpha channel is not used unless `alpha` names it too
-  std::filesystem::path alpha;     // cut-out: the alpha channel if the picture has one, else its red
-  std::filesystem::path normal;    // tangent space
-  Vec3f diffuse_factor{1, 1, 1};   // linear; multiplies the picture, or is the colour where there is none
+  ScanPicture diffuse;            // sRGB colour; its alpha channel is not used unless `alpha` names it too
+  ScanPicture alpha;              // cut-out: the alpha channel if the picture has one, else its red
+  ScanPicture normal;             // tangent space
+  Vec3f diffuse_factor{1, 1, 1};  // linear; multiplies the picture, or is the colour where there is none
 };
 
 struct Corner {
@@ -31,15 +45,15 @@ struct Corner {
 struct Scan {
   std::filesystem::path file;
   std::vector<Vec3f> positions;
-  std::vector<Vec2f> uvs;                 // v up
-  std::vector<uint32_t> face_begin;       // face f has corners [face_begin[f], face_begin[f + 1])
+  std::vector<Vec2f> uvs;            // v up
+  std::vector<uint32_t> face_begin;  // face f has corners [face_begin[f], face_begin[f + 1])
   std::vector<Corner> corners;
-  std::vector<uint16_t> face_material;    // index into materials
-  std::vector<uint16_t> face_group;       // index into groups
+  std::vector<uint16_t> face_material;  // index into materials
+  std::vector<uint16_t> face_group;     // index into groups
   std::vector<ScanMaterial> materials;
-  std::vector<std::string> groups;        // object or group names; at least one
-  std::optional<double> stated_unit_cm;   // cm a unit, where the format states it (GLB: 100, FBX)
-  bool has_file_normals = false;          // read and not used: normals are smooth over shared positions
+  std::vector<std::string> groups;       // object or group names; at least one
+  std::optional<double> stated_unit_cm;  // cm a unit, where the format states it (GLB: 100, FBX)
+  bool has_file_normals = false;         // read and not used: normals are smooth over shared positions
 
   size_t face_count() const { return face_begin.empty() ? 0 : face_begin.size() - 1; }
 };
