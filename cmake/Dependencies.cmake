@@ -1,5 +1,9 @@
 # Every library that the core uses; packages.txt names the Debian packages that hold them.
 find_package(OpenImageIO REQUIRED)
+# Debian's package names OpenCV's headers, which it neither needs here nor brings along.
+get_target_property(oiio_includes OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)
+list(FILTER oiio_includes EXCLUDE REGEX "opencv")
+set_target_properties(OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${oiio_includes}")
 find_package(OpenEXR REQUIRED)
 find_package(embree 4 QUIET)
 if(NOT embree_FOUND)

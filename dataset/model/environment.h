@@ -13,7 +13,7 @@ namespace ohb {
 /// v from the top = acos(y) / pi; so the image centre is +X and +Z is at u = 3/4, as Cycles sees it in
 /// Blender's axes (x, -z, y).
 struct Environment {
-  std::string name;   // the file's stem
+  std::string name;  // the file's stem
   std::filesystem::path file;
   std::string sha256;
   Image radiance;

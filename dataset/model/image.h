@@ -15,7 +15,9 @@ struct Image {
 
   Image() = default;
   Image(int width, int height, int channel_count)
-      : width_px(width), height_px(height), channels(channel_count),
+      : width_px(width),
+        height_px(height),
+        channels(channel_count),
         values(static_cast<size_t>(width) * height * channel_count, 0.0f) {}
   float* pixel(int x, int y) { return &values[(static_cast<size_t>(y) * width_px + x) * channels]; }
   const float* pixel(int x, int y) const {
@@ -25,9 +27,9 @@ struct Image {
 
 /// How a file stored its values, as far as a reader must know.
 struct ImageFileInfo {
-  int bits = 0;              // per channel: 8, 16, 32
-  bool is_float = false;     // half or float
-  bool has_alpha = false;    // the last channel is alpha
+  int bits = 0;            // per channel: 8, 16, 32
+  bool is_float = false;   // half or float
+  bool has_alpha = false;  // the last channel is alpha
 };
 
 /// Any PNG, JPEG, TIFF, EXR or HDR, values as stored: integers over their maximum (encoded values stay
@@ -38,8 +40,8 @@ Image read_image(const std::filesystem::path& file, ImageFileInfo* info = nullpt
 /// One part of a multi-part EXR.
 struct ExrPart {
   enum class Type { kHalf, kFloat };
-  std::string name;                    // unique in the file
-  std::vector<std::string> channels;   // as many as the image has, for example {"R", "G", "B"}
+  std::string name;                   // unique in the file
+  std::vector<std::string> channels;  // as many as the image has, for example {"R", "G", "B"}
   Type type = Type::kHalf;
   Image image;
 };
@@ -56,12 +58,15 @@ void write_exr(const std::filesystem::path& file, const std::vector<ExrPart>& pa
 /// All parts of an EXR, in file order, with the attributes of the first part.
 std::vector<ExrPart> read_exr(const std::filesystem::path& file, ExrAttributes* attributes = nullptr);
 
-/// 8-bit (or 16-bit) PNG of 1, 3 or 4 channels; values are clamped to [0,1], scaled and rounded, not converted.
-/// Atomic. Throws as write_exr.
+/// 8-bit (or 16-bit) PNG of 1, 3 or 4 channels; values are clamped to [0,1], scaled and rounded, not
+/// converted. Atomic. Throws as write_exr.
 void write_png(const std::filesystem::path& file, const Image& image, int bits = 8);
 
 /// The part of that name. Throws InputError (naming `file`) if there is none.
 const ExrPart& find_part(const std::vector<ExrPart>& parts, const std::string& name,
                          const std::filesystem::path& file);
+
+/// Version of the image library, for --version.
+std::string image_library_version();
 
 }  // namespace ohb

@@ -10,9 +10,9 @@ namespace ohb {
 
 /// What a class is made of, in the encodings of the maps (docs/conventions.md).
 struct ClassMaterial {
-  float specular = 0;    // S: sRGB-encoded normal-incidence reflectance, F0 = srgb_to_linear(S)
-  float roughness = 0;   // perceptual, alpha = roughness squared
-  float sss = 0;         // subsurface; scattering radius = sss x (1.0, 0.2, 0.1) cm
+  float specular = 0;   // S: sRGB-encoded normal-incidence reflectance, F0 = srgb_to_linear(S)
+  float roughness = 0;  // perceptual, alpha = roughness squared
+  float sss = 0;        // subsurface; scattering radius = sss x (1.0, 0.2, 0.1) cm
 };
 
 using MaterialTable = std::array<ClassMaterial, kClassCount>;

@@ -17,22 +17,22 @@ namespace ohb {
 /// All maps of a set have the same size.
 struct TextureSet {
   std::string name;
-  Image albedo;         // 3, linear Rec. 709
-  Image alpha;          // 1, cut-out opacity; empty: opaque
-  Image normal;         // 3, tangent space, signed unit vectors, MikkTSpace, +Y up; empty: flat
-  Image roughness;      // 1
-  Image specular;       // 1, S: F0 = srgb_to_linear(S)
-  Image sss;            // 1
-  Image displacement;   // 1, cm from the plane z = 0 in the rest pose, positive towards +Z
-  Image valid;          // 1, 1 where a face covers the texel, 0.5 where padding filled it, 0 elsewhere
+  Image albedo;        // 3, linear Rec. 709
+  Image alpha;         // 1, cut-out opacity; empty: opaque
+  Image normal;        // 3, tangent space, signed unit vectors, MikkTSpace, +Y up; empty: flat
+  Image roughness;     // 1
+  Image specular;      // 1, S: F0 = srgb_to_linear(S)
+  Image sss;           // 1
+  Image displacement;  // 1, cm from the plane z = 0 in the rest pose, positive towards +Z
+  Image valid;         // 1, 1 where a face covers the texel, 0.5 where padding filled it, 0 elsewhere
 };
 
 struct ModelTriangle {
   uint32_t position[3];
   uint32_t uv[3];
-  uint16_t set;           // index into Model::sets
-  uint8_t material_class; // MaterialClass
-  uint32_t source_face;   // face of the scan
+  uint16_t set;            // index into Model::sets
+  uint8_t material_class;  // MaterialClass
+  uint32_t source_face;    // face of the scan
 };
 
 /// Canonical frame: right-handed, Y up, facing +Z, soles at y = 0, bounding box centred at x = z = 0.

@@ -18,8 +18,8 @@ MaterialClass class_from_name(const std::string& name);
 
 /// Class of each face of a scan, in source face order.
 struct Regions {
-  std::vector<uint8_t> face_class;   // MaterialClass
-  std::string scan_sha256;           // of the scan's mesh file; guards against another mesh's labels
+  std::vector<uint8_t> face_class;  // MaterialClass
+  std::string scan_sha256;          // of the scan's mesh file; guards against another mesh's labels
 };
 
 /// REGIONS on disk is a folder: regions.xml (conventions, counts, scan hash), faces.txt (one class index a

@@ -11,7 +11,7 @@ namespace ohb {
 /// interpolation; interpolate T and N without normalising them (renderer and bake alike).
 struct CornerTangent {
   Vec3f tangent;
-  float sign;   // +1 or -1
+  float sign;  // +1 or -1
 };
 
 /// 3 x triangles.size() tangents, corner c of triangle t at 3 t + c. `normals` are smooth_normals(model).

@@ -15,37 +15,81 @@ struct Vec3f {
   float operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
 };
 
-inline Vec2f operator+(Vec2f a, Vec2f b) { return {a.x + b.x, a.y + b.y}; }
-inline Vec2f operator-(Vec2f a, Vec2f b) { return {a.x - b.x, a.y - b.y}; }
-inline Vec2f operator*(Vec2f a, float s) { return {a.x * s, a.y * s}; }
-inline Vec2f operator*(float s, Vec2f a) { return a * s; }
+inline Vec2f operator+(Vec2f a, Vec2f b) {
+  return {a.x + b.x, a.y + b.y};
+}
+inline Vec2f operator-(Vec2f a, Vec2f b) {
+  return {a.x - b.x, a.y - b.y};
+}
+inline Vec2f operator*(Vec2f a, float s) {
+  return {a.x * s, a.y * s};
+}
+inline Vec2f operator*(float s, Vec2f a) {
+  return a * s;
+}
 
-inline Vec3f operator+(Vec3f a, Vec3f b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Vec3f operator-(Vec3f a, Vec3f b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Vec3f operator-(Vec3f a) { return {-a.x, -a.y, -a.z}; }
-inline Vec3f operator*(Vec3f a, Vec3f b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
-inline Vec3f operator*(Vec3f a, float s) { return {a.x * s, a.y * s, a.z * s}; }
-inline Vec3f operator*(float s, Vec3f a) { return a * s; }
-inline Vec3f operator/(Vec3f a, float s) { return a * (1.0f / s); }
-inline Vec3f& operator+=(Vec3f& a, Vec3f b) { return a = a + b; }
-inline Vec3f& operator*=(Vec3f& a, Vec3f b) { return a = a * b; }
-inline Vec3f& operator*=(Vec3f& a, float s) { return a = a * s; }
+inline Vec3f operator+(Vec3f a, Vec3f b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline Vec3f operator-(Vec3f a, Vec3f b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline Vec3f operator-(Vec3f a) {
+  return {-a.x, -a.y, -a.z};
+}
+inline Vec3f operator*(Vec3f a, Vec3f b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
+inline Vec3f operator*(Vec3f a, float s) {
+  return {a.x * s, a.y * s, a.z * s};
+}
+inline Vec3f operator*(float s, Vec3f a) {
+  return a * s;
+}
+inline Vec3f operator/(Vec3f a, float s) {
+  return a * (1.0f / s);
+}
+inline Vec3f& operator+=(Vec3f& a, Vec3f b) {
+  return a = a + b;
+}
+inline Vec3f& operator*=(Vec3f& a, Vec3f b) {
+  return a = a * b;
+}
+inline Vec3f& operator*=(Vec3f& a, float s) {
+  return a = a * s;
+}
 
-inline float dot(Vec2f a, Vec2f b) { return a.x * b.x + a.y * b.y; }
-inline float cross(Vec2f a, Vec2f b) { return a.x * b.y - a.y * b.x; }
-inline float dot(Vec3f a, Vec3f b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline float dot(Vec2f a, Vec2f b) {
+  return a.x * b.x + a.y * b.y;
+}
+inline float cross(Vec2f a, Vec2f b) {
+  return a.x * b.y - a.y * b.x;
+}
+inline float dot(Vec3f a, Vec3f b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 inline Vec3f cross(Vec3f a, Vec3f b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-inline float length(Vec3f a) { return std::sqrt(dot(a, a)); }
+inline float length(Vec3f a) {
+  return std::sqrt(dot(a, a));
+}
 /// The unit vector along a; a itself if its length is 0.
 inline Vec3f normalised(Vec3f a) {
   const float squared = dot(a, a);
   return squared > 0 ? a * (1.0f / std::sqrt(squared)) : a;
 }
-inline bool is_finite(Vec3f a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
-inline bool is_finite(Vec2f a) { return std::isfinite(a.x) && std::isfinite(a.y); }
-inline float max_component(Vec3f a) { return std::fmax(a.x, std::fmax(a.y, a.z)); }
-inline float mean(Vec3f a) { return (a.x + a.y + a.z) * (1.0f / 3.0f); }
+inline bool is_finite(Vec3f a) {
+  return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
+}
+inline bool is_finite(Vec2f a) {
+  return std::isfinite(a.x) && std::isfinite(a.y);
+}
+inline float max_component(Vec3f a) {
+  return std::fmax(a.x, std::fmax(a.y, a.z));
+}
+inline float mean(Vec3f a) {
+  return (a.x + a.y + a.z) * (1.0f / 3.0f);
+}
 
 }  // namespace ohb

@@ -1,0 +1,20 @@
+#include "dataset/cli/commands.h"
+
+#include <CLI/CLI.hpp>
+
+namespace ohb {
+
+void add_common_options(CLI::App& command, CommonOptions& options) {
+  command.add_option("--threads", options.threads, "threads to use (default: all cores)")
+      ->check(CLI::Range(0, 4096));
+  command.add_option("--seed", options.seed, "seed of the random numbers")->capture_default_str();
+  command.add_flag("--json", options.json, "print one machine-readable result on stdout");
+}
+
+// Each of these is in its own cmd_<name>.cpp.
+
+void Commands::add_to(CLI::App& app) {
+  (void)app;
+}
+
+}  // namespace ohb

@@ -1,0 +1,59 @@
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "dataset/cli/commands.h"
+#include "dataset/cli/version.h"
+#include "dataset/model/error.h"
+
+namespace ohb {
+
+namespace {
+
+int run(int argc, char** argv) {
+  CLI::App app{
+      "Ground truth of human materials: label, bake, render, validate.\n"
+      "Example: openhumanbrdf inspect person.obj",
+      "openhumanbrdf"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", version_text);
+  Commands commands;
+  commands.add_to(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& information) {
+    return app.exit(information);
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "openhumanbrdf: %s; see openhumanbrdf --help\n", error.what());
+    return kExitBadInput;
+  }
+  std::unique_ptr<tbb::global_control> limit;
+  if (commands.common.threads > 0)
+    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                  static_cast<size_t>(commands.common.threads));
+  check_processor();
+  return commands.run();
+}
+
+}  // namespace
+}  // namespace ohb
+
+int main(int argc, char** argv) {
+  try {
+    return ohb::run(argc, argv);
+  } catch (const ohb::InputError& error) {
+    std::fprintf(stderr, "openhumanbrdf: %s\n", error.what());
+    return ohb::kExitBadInput;
+  } catch (const ohb::TryAgainError& error) {
+    std::fprintf(stderr, "openhumanbrdf: %s\n", error.what());
+    return ohb::kExitTryAgain;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "openhumanbrdf: not enough memory; use smaller maps or images\n");
+    return ohb::kExitTryAgain;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "openhumanbrdf: a bug: %s; please report it with the command line\n", error.what());
+    return ohb::kExitBug;
+  }
+}

@@ -1,0 +1,80 @@
+#include "dataset/model/environment.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/error.h"
+
+namespace ohb {
+namespace {
+
+constexpr float kPi = 3.14159265358979323846f;
+
+void check_texels(const Image& image, const std::string& file) {
+  size_t bad = 0, first = 0, positive = 0;
+  for (size_t i = 0; i < image.values.size(); ++i) {
+    const float value = image.values[i];
+    if (!std::isfinite(value) || value < 0) {
+      if (bad++ == 0) first = i / image.channels;
+    } else if (value > 0) {
+      ++positive;
+    }
+  }
+  if (bad > 0)
+    throw InputError(
+        file,
+        "texel (" + std::to_string(first % image.width_px) + ", " + std::to_string(first / image.width_px) +
+            ")",
+        "is NaN, infinite or negative (" + std::to_string(bad) + " such values)",
+        "repair the picture: replace them by their neighbours, cut infinite suns to a finite value");
+  if (positive == 0)
+    throw InputError(file, "", "is all black: nothing would be lit", "use another environment");
+}
+
+}  // namespace
+
+Environment read_environment(const std::filesystem::path& file) {
+  Image image = read_image(file);
+  const std::string name = file.string();
+  if (image.width_px != 2 * image.height_px)
+    throw InputError(name, "",
+                     std::to_string(image.width_px) + " x " + std::to_string(image.height_px) +
+                         " is not a latitude-longitude map of 2:1",
+                     "convert it to latitude-longitude");
+  Environment environment;
+  environment.name = file.stem().string();
+  environment.file = std::filesystem::absolute(file);
+  environment.sha256 = sha256_of_file(file);
+  environment.radiance = Image(image.width_px, image.height_px, 3);
+  const size_t texels = static_cast<size_t>(image.width_px) * image.height_px;
+  for (size_t i = 0; i < texels; ++i)
+    for (int c = 0; c < 3; ++c)
+      environment.radiance.values[3 * i + c] =
+          image.values[i * image.channels + (image.channels >= 3 ? c : 0)];
+  check_texels(environment.radiance, name);
+  return environment;
+}
+
+Vec2f environment_uv(Vec3f d) {
+  return {0.5f + std::atan2(d.z, d.x) / (2 * kPi), std::acos(std::clamp(d.y, -1.0f, 1.0f)) / kPi};
+}
+
+Vec3f environment_direction(Vec2f uv) {
+  const float phi = (uv.x - 0.5f) * 2 * kPi, theta = uv.y * kPi;
+  return {std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
+}
+
+Vec3f brightest_direction(const Environment& environment) {
+  const Image& image = environment.radiance;
+  size_t best = 0;
+  float best_value = -1;
+  for (size_t i = 0; i < image.values.size() / 3; ++i) {
+    const float value = image.values[3 * i] + image.values[3 * i + 1] + image.values[3 * i + 2];
+    if (value > best_value) best = i, best_value = value;
+  }
+  return environment_direction({(static_cast<float>(best % image.width_px) + 0.5f) / image.width_px,
+                                (static_cast<float>(best / image.width_px) + 0.5f) / image.height_px});
+}
+
+}  // namespace ohb

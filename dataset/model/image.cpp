@@ -1,0 +1,167 @@
+#include "dataset/model/image.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <set>
+
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/error.h"
+#include "dataset/model/oiio_compat.h"
+
+namespace ohb {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr float kHalfMax = 65504.0f;
+constexpr const char* kFixedDateTime = "2000:01:01 00:00:00";
+constexpr int kMaxEdge_px = 65536;
+
+[[noreturn]] void throw_unreadable(const fs::path& file, const std::string& reason) {
+  throw InputError(file.string(), "", "cannot be read as an image (" + reason + ")",
+                   "export it again as PNG, JPEG, TIFF or EXR");
+}
+
+std::unique_ptr<OIIO::ImageInput> open_image(const fs::path& file) {
+  if (!fs::exists(file)) throw InputError(file.string(), "", "no such file", "check the path");
+  if (fs::is_directory(file))
+    throw InputError(file.string(), "", "is a folder, not an image", "name the file in it");
+  if (fs::file_size(file) == 0)
+    throw InputError(file.string(), "", "is empty (0 bytes)", "copy or export it again");
+  OIIO::ImageSpec config;
+  config["oiio:UnassociatedAlpha"] = 1;
+  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string(), &config);
+  if (!input) throw_unreadable(file, oiio_error(nullptr));
+  const OIIO::ImageSpec& spec = input->spec();
+  if (spec.width < 1 || spec.height < 1 || spec.width > kMaxEdge_px || spec.height > kMaxEdge_px ||
+      spec.depth > 1 || spec.nchannels < 1 || spec.nchannels > 64)
+    throw_unreadable(file, "size " + std::to_string(spec.width) + " x " + std::to_string(spec.height) +
+                               " x " + std::to_string(spec.nchannels));
+  return input;
+}
+
+Image read_part(OIIO::ImageInput& input, int subimage, const OIIO::ImageSpec& spec, const fs::path& file) {
+  Image image(spec.width, spec.height, spec.nchannels);
+  if (!read_subimage(input, subimage, spec.nchannels, image.values.data()))
+    throw_unreadable(file, oiio_error(&input));
+  return image;
+}
+
+void clamp_to_half(std::vector<float>& values) {
+  // A conversion to half would make infinities of them; NaN stays NaN for the reader to refuse.
+  for (float& value : values)
+    if (value > kHalfMax)
+      value = kHalfMax;
+    else if (value < -kHalfMax)
+      value = -kHalfMax;
+}
+
+OIIO::ImageSpec spec_of(const ExrPart& part, const ExrAttributes& attributes) {
+  const bool half = part.type == ExrPart::Type::kHalf;
+  OIIO::ImageSpec spec(part.image.width_px, part.image.height_px, part.image.channels,
+                       half ? OIIO::TypeDesc::HALF : OIIO::TypeDesc::FLOAT);
+  spec.channelnames = part.channels;
+  spec.alpha_channel = -1;
+  spec.attribute("compression", "zip");
+  spec.attribute("DateTime", kFixedDateTime);
+  spec.attribute("Software", "openhumanbrdf " OHB_VERSION);
+  spec.attribute("oiio:subimagename", part.name);
+  for (const auto& [name, value] : attributes) spec.attribute(name, value);
+  return spec;
+}
+
+void check_written(bool done, OIIO::ImageOutput& output, const fs::path& file) {
+  if (done) return;
+  const std::string reason = output.geterror();
+  std::error_code ignored;
+  const fs::space_info space = fs::space(file.parent_path().empty() ? "." : file.parent_path(), ignored);
+  if (!ignored && space.available < (1u << 20))
+    throw TryAgainError(file.string(), "cannot be written: disk full",
+                        "free some space and run the command again");
+  throw TryAgainError(file.string(), "cannot be written (" + reason + ")",
+                      "check the disk and run the command again");
+}
+
+}  // namespace
+
+Image read_image(const fs::path& file, ImageFileInfo* info) {
+  auto input = open_image(file);
+  const OIIO::ImageSpec spec = input->spec();
+  if (info) {
+    info->bits = spec.get_int_attribute("oiio:BitsPerSample", static_cast<int>(spec.format.size()) * 8);
+    info->is_float = spec.format.is_floating_point();
+    info->has_alpha = spec.alpha_channel >= 0 && spec.alpha_channel == spec.nchannels - 1;
+  }
+  return read_part(*input, 0, spec, file);
+}
+
+void write_exr(const fs::path& file, const std::vector<ExrPart>& parts, const ExrAttributes& attributes) {
+  if (parts.empty()) throw std::logic_error("write_exr: no part");
+  std::vector<OIIO::ImageSpec> specs;
+  for (const ExrPart& part : parts) specs.push_back(spec_of(part, attributes));
+  write_file_atomically(file, [&](const fs::path& temporary) {
+    auto output = OIIO::ImageOutput::create("exr");
+    if (!output) throw std::logic_error("OpenImageIO has no EXR writer");
+    const std::string name = temporary.string();
+    check_written(parts.size() == 1 ? output->open(name, specs[0])
+                                    : output->open(name, static_cast<int>(specs.size()), specs.data()),
+                  *output, file);
+    for (size_t i = 0; i < parts.size(); ++i) {
+      if (i > 0)
+        check_written(output->open(name, specs[i], OIIO::ImageOutput::AppendSubimage), *output, file);
+      std::vector<float> values = parts[i].image.values;
+      if (parts[i].type == ExrPart::Type::kHalf) clamp_to_half(values);
+      check_written(output->write_image(OIIO::TypeDesc::FLOAT, values.data()), *output, file);
+    }
+    check_written(output->close(), *output, file);
+  });
+}
+
+std::vector<ExrPart> read_exr(const fs::path& file, ExrAttributes* attributes) {
+  auto input = open_image(file);
+  std::vector<ExrPart> parts;
+  for (int subimage = 0; input->seek_subimage(subimage, 0); ++subimage) {
+    const OIIO::ImageSpec spec = input->spec();
+    ExrPart part;
+    part.name = spec.get_string_attribute("oiio:subimagename");
+    part.channels = spec.channelnames;
+    part.type = spec.format == OIIO::TypeDesc::HALF ? ExrPart::Type::kHalf : ExrPart::Type::kFloat;
+    part.image = read_part(*input, subimage, spec, file);
+    if (subimage == 0 && attributes)
+      for (const OIIO::ParamValue& value : spec.extra_attribs)
+        if (value.type() == OIIO::TypeDesc::STRING)
+          attributes->emplace_back(value.name().string(), value.get_string());
+    parts.push_back(std::move(part));
+  }
+  return parts;
+}
+
+void write_png(const fs::path& file, const Image& image, int bits) {
+  const OIIO::TypeDesc type = bits == 16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
+  OIIO::ImageSpec spec(image.width_px, image.height_px, image.channels, type);
+  // The values are written as they are; OpenImageIO would otherwise un-premultiply them.
+  spec.attribute("oiio:UnassociatedAlpha", 1);
+  spec.attribute("DateTime", kFixedDateTime);
+  std::vector<float> values = image.values;
+  for (float& value : values) value = std::isfinite(value) ? std::clamp(value, 0.0f, 1.0f) : 0.0f;
+  write_file_atomically(file, [&](const fs::path& temporary) {
+    auto output = OIIO::ImageOutput::create("png");
+    if (!output) throw std::logic_error("OpenImageIO has no PNG writer");
+    check_written(output->open(temporary.string(), spec), *output, file);
+    check_written(output->write_image(OIIO::TypeDesc::FLOAT, values.data()), *output, file);
+    check_written(output->close(), *output, file);
+  });
+}
+
+const ExrPart& find_part(const std::vector<ExrPart>& parts, const std::string& name, const fs::path& file) {
+  for (const ExrPart& part : parts)
+    if (part.name == name) return part;
+  throw InputError(file.string(), "part '" + name + "'", "is missing",
+                   "write the file again with this version");
+}
+
+std::string image_library_version() {
+  return oiio_version();
+}
+
+}  // namespace ohb

@@ -1,0 +1,29 @@
+// A progress bar with the time left, on stderr, for anything that takes over two seconds.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <mutex>
+#include <string>
+
+namespace ohb {
+
+/// Draws on a terminal only (or one line at the end elsewhere). Thread-safe.
+class Progress {
+ public:
+  /// `quiet` draws nothing.
+  Progress(std::string label, size_t total, bool quiet = false);
+  ~Progress();
+  void add(size_t steps = 1);
+
+ private:
+  void draw(double seconds);
+
+  std::string label_;
+  size_t total_, done_ = 0;
+  bool quiet_, terminal_;
+  std::chrono::steady_clock::time_point start_, last_drawn_;
+  std::mutex mutex_;
+};
+
+}  // namespace ohb
