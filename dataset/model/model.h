@@ -43,21 +43,28 @@ struct Model {
   std::vector<Vec2f> uvs;
   std::vector<ModelTriangle> triangles;
   std::vector<TextureSet> sets;
-  std::string source_sha256;
+  std::string source_sha256;       // of the scan's mesh file
+  std::string source_file;         // its name, without folders
+  double source_unit_cm = 1;       // position_cm = source position x source_unit_cm + source_shift_cm
+  Vec3f source_shift_cm;
 };
 
-/// MODEL on disk: model.xml (conventions, sets, sources), mesh.obj, faces.bin (class and source face),
-/// maps/<set>/{albedo,alpha,normal,roughness,specular,sss,displacement}.exr, valid.png and PNG previews.
+/// MODEL on disk: model.xml (conventions, sets, sources), mesh.obj with mesh.mtl, faces.bin (class and source
+/// face), maps/<set>/{albedo,alpha,normal,roughness,specular,sss,displacement}.exr, valid.png and small PNGs
+/// to look at in maps/<set>/previews. Normal and displacement are float, the others half.
+/// Writes into `folder`, which is made if need be: give it an AtomicFolder's path. Throws InputError if it
+/// cannot be written, TryAgainError if the disk is full, std::logic_error for an inconsistent model.
 void write_model(const std::filesystem::path& folder, const Model& model);
 
 /// Throws InputError for a missing, incomplete or inconsistent folder. NaN and infinite texels are an error.
+/// Maps are read in parallel.
 Model read_model(const std::filesystem::path& folder);
 
 /// Smooth normals: for each position the sum of the unit normals of its triangles weighted by the corner
 /// angle, normalised (as Blender does); (0,0,1) where nothing remains. Same length as positions_cm.
 std::vector<Vec3f> smooth_normals(const Model& model);
 
-/// Lowest and highest corner of the bounding box, cm.
+/// Lowest and highest corner of the bounding box, in the unit of the positions; all 0 if there are none.
 struct Bounds {
   Vec3f low, high;
 };

@@ -1,0 +1,184 @@
+// Writes a MODEL folder.
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <set>
+#include <stdexcept>
+
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/colour.h"
+#include "dataset/model/conventions.h"
+#include "dataset/model/error.h"
+#include "dataset/model/model_files.h"
+#include "dataset/model/xml_document.h"
+
+namespace ohb {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int kPreviewEdge_px = 1024;
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error == std::errc::no_space_on_device)
+    throw TryAgainError(folder.string(), "cannot be made: disk full", "free some space and run again");
+  if (error)
+    throw InputError(folder.string(), "", "the folder cannot be made: " + error.message(),
+                     "check that it may be written to");
+}
+
+/// Averages blocks of whole texels so that the longer edge has at most kPreviewEdge_px.
+Image preview_of(const Image& image) {
+  const int block = (std::max(image.width_px, image.height_px) + kPreviewEdge_px - 1) / kPreviewEdge_px;
+  Image small(std::max(1, image.width_px / block), std::max(1, image.height_px / block), image.channels);
+  const int columns = std::min(block, image.width_px), rows = std::min(block, image.height_px);
+  for (int y = 0; y < small.height_px; ++y)
+    for (int x = 0; x < small.width_px; ++x)
+      for (int c = 0; c < image.channels; ++c) {
+        float sum = 0;
+        for (int dy = 0; dy < rows; ++dy)
+          for (int dx = 0; dx < columns; ++dx) sum += image.pixel(x * block + dx, y * block + dy)[c];
+        small.pixel(x, y)[c] = sum / static_cast<float>(columns * rows);
+      }
+  return small;
+}
+
+/// The preview's values as a PNG shows them: sRGB colours, normals around one half, displacement stretched.
+void encode_preview(const std::string& map, Image& preview) {
+  if (map == "albedo")
+    for (float& value : preview.values) value = linear_to_srgb(std::clamp(value, 0.0f, 1.0f));
+  if (map == "normal")
+    for (float& value : preview.values) value = 0.5f + 0.5f * value;
+  if (map == "displacement") {
+    float reach = 1e-6f;
+    for (float value : preview.values) reach = std::max(reach, std::abs(value));
+    for (float& value : preview.values) value = 0.5f + 0.5f * value / reach;
+  }
+}
+
+std::string faces_bin(const Model& model) {
+  const uint32_t count = static_cast<uint32_t>(model.triangles.size());
+  std::string bytes = "OHBFACE1";
+  bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+  for (const ModelTriangle& triangle : model.triangles)
+    bytes.append(reinterpret_cast<const char*>(&triangle.source_face), sizeof triangle.source_face);
+  for (const ModelTriangle& triangle : model.triangles) bytes += static_cast<char>(triangle.material_class);
+  return bytes;
+}
+
+std::string mtl_text(const std::vector<TextureSetEntry>& sets) {
+  std::string text = "# previews only; model.xml names the maps that count\n";
+  for (const TextureSetEntry& set : sets) {
+    const std::string previews = "maps/" + set.folder + "/previews/";
+    text += "newmtl " + set.folder + "\nKd 1 1 1\nillum 1\nmap_Kd " + previews + "albedo.png\n";
+    if (std::find(set.maps.begin(), set.maps.end(), "alpha") != set.maps.end())
+      text += "map_d " + previews + "alpha.png\n";
+    if (std::find(set.maps.begin(), set.maps.end(), "normal") != set.maps.end())
+      text += "norm " + previews + "normal.png\n";
+  }
+  return text;
+}
+
+std::string model_xml(const Model& model, const std::vector<TextureSetEntry>& sets) {
+  pugi::xml_document document;
+  pugi::xml_node root = document.append_child("model");
+  root.append_attribute("schema") = "1.0";
+  root.append_attribute("name") = model.name.c_str();
+  root.append_child("generator").append_attribute("version") = OHB_VERSION;
+  pugi::xml_node source = root.append_child("source");
+  source.append_attribute("file") = model.source_file.c_str();
+  source.append_attribute("sha256") = model.source_sha256.c_str();
+  source.append_attribute("unit_cm") = shortest(model.source_unit_cm).c_str();
+  const char* const shift_names[3] = {"shift_x_cm", "shift_y_cm", "shift_z_cm"};
+  for (int i = 0; i < 3; ++i)
+    source.append_attribute(shift_names[i]) = shortest(model.source_shift_cm[i]).c_str();
+  append_conventions(root);
+  pugi::xml_node mesh = root.append_child("mesh");
+  mesh.append_attribute("file") = "mesh.obj";
+  mesh.append_attribute("faces") = "faces.bin";
+  mesh.append_attribute("positions") = static_cast<unsigned long long>(model.positions_cm.size());
+  mesh.append_attribute("uvs") = static_cast<unsigned long long>(model.uvs.size());
+  mesh.append_attribute("triangles") = static_cast<unsigned long long>(model.triangles.size());
+  for (const TextureSetEntry& set : sets) {
+    pugi::xml_node node = root.append_child("texture_set");
+    node.append_attribute("name") = set.name.c_str();
+    node.append_attribute("folder") = set.folder.c_str();
+    node.append_attribute("width_px") = set.width_px;
+    node.append_attribute("height_px") = set.height_px;
+    for (const std::string& map : set.maps) node.append_child("map").append_attribute("name") = map.c_str();
+  }
+  return xml_text(document);
+}
+
+}  // namespace
+
+std::vector<std::string> texture_set_folders(const std::vector<std::string>& names) {
+  constexpr size_t kLongestName = 64;
+  std::vector<std::string> folders;
+  std::set<std::string> used;
+  for (const std::string& name : names) {
+    std::string folder = name.substr(0, kLongestName);
+    for (char& c : folder)
+      if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '.') c = '_';
+    if (folder.empty()) folder = "set";
+    if (folder[0] == '.') folder[0] = '_';
+    const auto lower = [](std::string text) {
+      std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+      return text;
+    };
+    std::string unique = folder;
+    for (int i = 2; !used.insert(lower(unique)).second; ++i) unique = folder + "_" + std::to_string(i);
+    folders.push_back(unique);
+  }
+  return folders;
+}
+
+TextureSetEntry write_texture_set(const fs::path& folder, const std::string& set_folder, TextureSet&& set) {
+  const fs::path maps = folder / "maps" / set_folder, previews = maps / "previews";
+  make_folder(previews);
+  TextureSetEntry entry{set.name, set_folder, set.valid.width_px, set.valid.height_px, {}};
+  for (const MapKind& kind : kMapKinds) {
+    Image& image = set.*kind.image;
+    if (image.values.empty() && kind.is_optional) continue;
+    if (image.width_px != entry.width_px || image.height_px != entry.height_px ||
+        image.channels != kind.channels)
+      throw std::logic_error("texture set '" + set.name + "': map " + kind.name + " has a wrong size");
+    Image preview = preview_of(image);
+    encode_preview(kind.name, preview);
+    write_png(previews / (std::string(kind.name) + ".png"), preview);
+    ExrPart part{kind.name,
+                 kind.channels == 3 ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"},
+                 kind.is_float ? ExrPart::Type::kFloat : ExrPart::Type::kHalf, std::move(image)};
+    image = Image();
+    std::vector<ExrPart> parts;
+    parts.push_back(std::move(part));
+    write_exr(maps / (std::string(kind.name) + ".exr"), parts, {});
+    entry.maps.push_back(kind.name);
+  }
+  write_png(maps / "valid.png", set.valid);
+  set.valid = Image();
+  return entry;
+}
+
+void write_model_mesh(const fs::path& folder, const Model& model, const std::vector<TextureSetEntry>& sets) {
+  const std::string fault = mesh_fault(model, sets.size());
+  if (!fault.empty()) throw std::logic_error("write_model: " + fault);
+  make_folder(folder);
+  write_file_atomically(folder / "mesh.obj", mesh_obj_text(model, sets));
+  write_file_atomically(folder / "mesh.mtl", mtl_text(sets));
+  write_file_atomically(folder / "faces.bin", faces_bin(model));
+  write_file_atomically(folder / "model.xml", model_xml(model, sets));
+}
+
+void write_model(const fs::path& folder, const Model& model) {
+  std::vector<std::string> names;
+  for (const TextureSet& set : model.sets) names.push_back(set.name);
+  const std::vector<std::string> folders = texture_set_folders(names);
+  std::vector<TextureSetEntry> entries;
+  for (size_t i = 0; i < folders.size(); ++i)
+    entries.push_back(write_texture_set(folder, folders[i], TextureSet(model.sets[i])));
+  write_model_mesh(folder, model, entries);
+}
+
+}  // namespace ohb

@@ -1,0 +1,120 @@
+#include "dataset/model/xml_document.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include "dataset/model/atomic_file.h"
+
+namespace ohb {
+
+XmlDocument::XmlDocument(const std::filesystem::path& file, const std::string& root_name)
+    : file_(file), content_(read_file(file)) {
+  if (content_.empty()) throw InputError(file.string(), "", "the file is empty", "make it again");
+  const pugi::xml_parse_result result = document_.load_buffer(content_.data(), content_.size());
+  if (!result)
+    throw InputError(file.string(), line_of(result.offset),
+                     "not well-formed XML: " + std::string(result.description()), "correct the XML");
+  root_ = document_.document_element();
+  if (root_.name() != root_name)
+    throw error(root_,
+                "the root element is <" + std::string(root_.name()) + ">, expected <" + root_name + ">",
+                "give a file of the right kind");
+}
+
+std::string XmlDocument::line_of(ptrdiff_t offset) const {
+  const auto end =
+      content_.begin() + std::clamp<ptrdiff_t>(offset, 0, static_cast<ptrdiff_t>(content_.size()));
+  return "line " + std::to_string(1 + std::count(content_.begin(), end, '\n'));
+}
+
+InputError XmlDocument::error(pugi::xml_node node, const std::string& cause, const std::string& mend) const {
+  return InputError(file_.string(), line_of(node.offset_debug()), cause, mend);
+}
+
+pugi::xml_node XmlDocument::child(pugi::xml_node parent, const char* name) const {
+  const pugi::xml_node node = parent.child(name);
+  if (!node) throw error(parent, "<" + std::string(parent.name()) + "> has no <" + name + ">", "add it");
+  if (node.next_sibling(name))
+    throw error(node.next_sibling(name), "a second <" + std::string(name) + ">", "keep one");
+  return node;
+}
+
+std::string XmlDocument::text(pugi::xml_node node, const char* attribute) const {
+  const pugi::xml_attribute found = node.attribute(attribute);
+  if (!found)
+    throw error(node, "<" + std::string(node.name()) + "> has no attribute '" + attribute + "'", "add it");
+  return found.value();
+}
+
+std::string XmlDocument::text_or(pugi::xml_node node, const char* attribute,
+                                 const std::string& otherwise) const {
+  return node.attribute(attribute) ? node.attribute(attribute).value() : otherwise;
+}
+
+double XmlDocument::number(pugi::xml_node node, const char* attribute, double low, double high) const {
+  const std::string value = text(node, attribute);
+  double number = 0;
+  const auto [end, failure] = std::from_chars(value.data(), value.data() + value.size(), number);
+  if (failure != std::errc() || end != value.data() + value.size() || !std::isfinite(number))
+    throw error(node, std::string(attribute) + "=\"" + value + "\" is no number",
+                "write one, for example 0.5");
+  if (number < low || number > high)
+    throw error(node,
+                std::string(attribute) + "=\"" + value + "\" is outside [" + shortest(low) + ", " +
+                    shortest(high) + "]",
+                "give a value in this range");
+  return number;
+}
+
+uint64_t XmlDocument::count(pugi::xml_node node, const char* attribute, uint64_t high) const {
+  const std::string value = text(node, attribute);
+  uint64_t number = 0;
+  const auto [end, failure] = std::from_chars(value.data(), value.data() + value.size(), number);
+  if (failure != std::errc() || end != value.data() + value.size() || number > high)
+    throw error(
+        node,
+        std::string(attribute) + "=\"" + value + "\" is no whole number from 0 to " + std::to_string(high),
+        "write one");
+  return number;
+}
+
+void XmlDocument::expect_attributes(pugi::xml_node node, std::initializer_list<const char*> names) const {
+  std::vector<std::string> seen;
+  for (const pugi::xml_attribute& attribute : node.attributes()) {
+    const std::string name = attribute.name();
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      throw error(node, "<" + std::string(node.name()) + "> has an unknown attribute '" + name + "'",
+                  "remove it, or check its spelling");
+    if (std::find(seen.begin(), seen.end(), name) != seen.end())
+      throw error(node, "attribute '" + name + "' occurs twice", "keep one");
+    seen.push_back(name);
+  }
+}
+
+void XmlDocument::expect_children(pugi::xml_node node, std::initializer_list<const char*> names) const {
+  for (const pugi::xml_node& child : node.children())
+    if (child.type() == pugi::node_element &&
+        std::find(names.begin(), names.end(), std::string(child.name())) == names.end())
+      throw error(child, "<" + std::string(child.name()) + "> is not known inside <" + node.name() + ">",
+                  "remove it, or check its spelling");
+}
+
+std::string xml_text(const pugi::xml_document& document) {
+  std::ostringstream stream;
+  document.save(stream, "  ");
+  return stream.str();
+}
+
+std::string shortest(double value) {
+  char text[32];
+  return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
+}
+
+std::string shortest(float value) {
+  char text[32];
+  return std::string(text, std::to_chars(text, text + sizeof text, value).ptr);
+}
+
+}  // namespace ohb
