@@ -1,5 +1,71 @@
+// The renderer's public face: from a model, lights and a camera to maps and radiance images.
 #pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
 #include <string>
+#include <vector>
+
+#include "dataset/model/camera.h"
+#include "dataset/model/environment.h"
+#include "dataset/model/model.h"
+#include "dataset/model/sample.h"
+
 namespace ohb {
+
+/// A light of no size in world space (it does not turn with the subject). `intensity` is radiant intensity
+/// with distances in metres: the irradiance at d metres is intensity / d^2, in each of R, G, B.
+struct PointLight {
+  std::string name;
+  Vec3f position_cm;
+  float intensity = 1;
+};
+
+struct RenderSettings {
+  int size_px = 512;     // square image
+  int spp = 256;         // paths a pixel, each serving every light
+  uint64_t seed = 1;     // of this image; equal seeds give equal bits
+  int max_bounces = 32;  // indirect generations; the last ray still sees the environments
+  int map_grid = 8;      // the maps average map_grid x map_grid points a pixel
+  /// Cycles sends sample 0 of each pixel through the centre; set it to equal Cycles at the same spp.
+  bool first_sample_at_centre = false;
+};
+
+/// What one call did, for reports.
+struct RenderStatistics {
+  uint64_t paths = 0;
+  uint64_t closest_hit_rays = 0;  // camera and indirect rays, cut-outs passed included
+  uint64_t shadow_rays = 0;
+  uint64_t nonfinite = 0;  // contributions that were NaN or infinite and left out
+  double seconds = 0;
+};
+
+/// Geometry, texels and bounding volume hierarchies of a model, built once for all views.
+class Scene;
+std::shared_ptr<const Scene> build_scene(const Model& model);
+
+/// Environments and point lights with their sampling tables.
+class LightSet;
+std::shared_ptr<const LightSet> prepare_lights(const std::vector<Environment>& environments,
+                                               const std::vector<PointLight>& points);
+
+/// Called from any thread with the number of finished pixels of the last tile.
+using PixelsDone = std::function<void(size_t)>;
+
+/// The material maps of a view: Sample without lights. `turn_rad` turns the subject about +Y.
+/// A regular grid of points a pixel; where cut-outs overlap, each layer counts by what it covers.
+Sample render_maps(const Scene& scene, const Camera& camera, double turn_rad, const RenderSettings& settings,
+                   const PixelsDone& done = nullptr);
+
+/// One radiance image a light (linear Rec. 709, premultiplied by coverage, background black), environments
+/// first. One path traversal serves all lights; each image is unbiased by itself. Bit-identical for any
+/// thread count. Subsurface is replaced by diffuse reflection.
+std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& lights, const Camera& camera,
+                                       double turn_rad, const RenderSettings& settings,
+                                       RenderStatistics* statistics = nullptr,
+                                       const PixelsDone& done = nullptr);
+
 std::string ray_library_version();
-}
+
+}  // namespace ohb

@@ -1,0 +1,101 @@
+#include "dataset/model/sample.h"
+
+#include <cmath>
+
+#include "dataset/model/error.h"
+
+namespace ohb {
+namespace {
+
+constexpr const char* kLightPrefix = "relit.";
+
+using Type = ExrPart::Type;
+
+struct MapPart {
+  const char* name;
+  Image Sample::*image;
+  std::vector<std::string> channels;
+  Type type;
+};
+
+// The one list of the parts before the lights, in file order.
+const std::vector<MapPart>& map_parts() {
+  static const std::vector<MapPart> parts = {
+      {"mask", &Sample::mask, {"A"}, Type::kHalf},
+      {"normal", &Sample::normal, {"X", "Y", "Z"}, Type::kFloat},
+      {"diffuse", &Sample::diffuse, {"R", "G", "B"}, Type::kHalf},
+      {"roughness", &Sample::roughness, {"Y"}, Type::kHalf},
+      {"specular", &Sample::specular, {"Y"}, Type::kHalf},
+      {"sss", &Sample::sss, {"Y"}, Type::kHalf},
+      {"displacement", &Sample::displacement, {"Y"}, Type::kFloat},
+      {"classes", &Sample::classes, {"skin", "hair", "fabric", "leather"}, Type::kHalf},
+  };
+  return parts;
+}
+
+// OpenEXR stores channels by name; they are read back in that order, not in the order of writing.
+Image in_channel_order(const ExrPart& part, const std::vector<std::string>& channels,
+                       const std::string& file) {
+  std::vector<size_t> source;
+  for (const std::string& channel : channels) {
+    size_t i = 0;
+    while (i < part.channels.size() && part.channels[i] != channel) ++i;
+    if (i == part.channels.size())
+      throw InputError(file, "part '" + part.name + "'", "has no channel '" + channel + "'",
+                       "render the sample again with this version");
+    source.push_back(i);
+  }
+  Image image(part.image.width_px, part.image.height_px, static_cast<int>(channels.size()));
+  const size_t pixels = static_cast<size_t>(image.width_px) * image.height_px;
+  for (size_t p = 0; p < pixels; ++p)
+    for (size_t c = 0; c < source.size(); ++c)
+      image.values[p * source.size() + c] = part.image.values[p * part.channels.size() + source[c]];
+  return image;
+}
+
+void check(const Image& image, const Image& mask, const std::string& part, const std::string& file) {
+  if (image.width_px != mask.width_px || image.height_px != mask.height_px)
+    throw InputError(file, "part '" + part + "'", "has another size than the mask",
+                     "render the sample again with this version");
+  for (size_t i = 0; i < image.values.size(); ++i)
+    if (!std::isfinite(image.values[i])) {
+      const size_t pixel = i / image.channels;
+      throw InputError(file,
+                       "part '" + part + "', pixel (" + std::to_string(pixel % image.width_px) + ", " +
+                           std::to_string(pixel / image.width_px) + ")",
+                       "is NaN or infinite", "render the sample again");
+    }
+}
+
+}  // namespace
+
+void write_sample(const std::filesystem::path& file, const Sample& sample) {
+  std::vector<ExrPart> parts;
+  for (const MapPart& part : map_parts())
+    parts.push_back({part.name, part.channels, part.type, sample.*part.image});
+  for (const SampleLight& light : sample.lights)
+    parts.push_back({kLightPrefix + light.name, {"R", "G", "B"}, Type::kHalf, light.radiance});
+  write_exr(file, parts, sample.attributes);
+}
+
+Sample read_sample(const std::filesystem::path& file) {
+  Sample sample;
+  ExrAttributes attributes;
+  const std::vector<ExrPart> parts = read_exr(file, &attributes);
+  for (const MapPart& part : map_parts()) {
+    sample.*part.image = in_channel_order(find_part(parts, part.name, file), part.channels, file.string());
+    check(sample.*part.image, sample.mask, part.name, file.string());
+  }
+  for (const ExrPart& part : parts) {
+    if (part.name.rfind(kLightPrefix, 0) != 0) continue;
+    SampleLight light{part.name.substr(std::string(kLightPrefix).size()),
+                      in_channel_order(part, {"R", "G", "B"}, file.string())};
+    check(light.radiance, sample.mask, part.name, file.string());
+    sample.lights.push_back(std::move(light));
+  }
+  for (auto& attribute : attributes)
+    if (attribute.first.rfind("ohb:", 0) == 0) sample.attributes.push_back(std::move(attribute));
+  return sample;
+}
+
+}  // namespace ohb

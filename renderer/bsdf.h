@@ -1,0 +1,158 @@
+// Principled v1 of Blender 3.4: Disney diffuse and single-scatter GGX, added without layering.
+// Directions point away from the surface; n is the shading normal, ns the smooth normal, ng the geometric
+// one, all on the side of wo. eval() returns f times the cosine; pdfs are in solid angle.
+// Formulas: Burley, "Physically-Based Shading at Disney", 2012 (diffuse); Walter et al. 2007 (GGX, dielectric
+// Fresnel); constants and order of operations measured against Cycles 3.4.1 (tests/renderer).
+#pragma once
+
+#include "renderer/cycles_model.h"
+#include "renderer/sampling.h"
+
+namespace ohb {
+
+/// (1 - x)^5 with x clamped to [0, 1] (Schlick's weight).
+inline float schlick_weight(float x) {
+  const float m = std::clamp(1 - x, 0.0f, 1.0f);
+  return (m * m) * (m * m) * m;
+}
+
+/// Exact unpolarised Fresnel reflectance from outside at cosine c of relative index eta >= 1.
+inline float fresnel_dielectric(float c, float eta) {
+  c = std::fabs(c);
+  const float g2 = eta * eta - 1 + c * c;
+  if (!(g2 > 0)) return 1;
+  const float g = std::sqrt(g2);
+  const float a = (g - c) / (g + c), b = (c * (g + c) - 1) / (c * (g - c) + 1);
+  return 0.5f * a * a * (1 + b * b);
+}
+
+/// Relative index of refraction whose normal-incidence reflectance is f0 in [0, 1).
+inline float eta_of_f0(float f0) {
+  return 2 / (1 - std::sqrt(std::min(f0, 0.9999f))) - 1;
+}
+
+/// Smith's masking of one direction with cosine c for isotropic GGX.
+inline float ggx_g1(float c, float alpha2) {
+  return 2 / (1 + std::sqrt(1 + alpha2 * std::fmax(0.0f, 1 - c * c) / (c * c)));
+}
+
+struct BsdfSample {
+  Vec3f wi;
+  Vec3f value;    // f times cosine of all lobes
+  float pdf = 0;  // of the mixture; 0: no direction
+};
+
+struct BsdfValue {
+  Vec3f value;
+  float pdf = 0;
+};
+
+class PrincipledV1 {
+ public:
+  /// base: linear albedo; roughness: perceptual; f0: normal-incidence reflectance. n must already be made
+  /// valid (cycles::ensure_valid_reflection). `first_hit` turns on the defensive choice of lobes.
+  PrincipledV1(Vec3f base, float roughness, float f0, Vec3f n, Vec3f ns, Vec3f ng, Vec3f wo, bool first_hit)
+      : base_(base), n_(n), ns_(ns), ng_(ng), wo_(wo), roughness_(roughness), cos_o_(dot(n, wo)) {
+    const float alpha = roughness * roughness;
+    alpha2_ = alpha * alpha;
+    f0_ = std::min(f0, 1.0f);
+    eta_ = eta_of_f0(f0_);
+    bumped_ = n.x != ns.x || n.y != ns.y || n.z != ns.z;
+    has_diffuse_ = max_component(base) > cycles::kClosureWeightCutoff;
+    has_specular_ = f0 > cycles::kClosureWeightCutoff * cycles::kF0PerSpecular && cos_o_ > 0;
+    choose_lobes(first_hit);
+  }
+
+  /// f cos and the mixture's pdf for a given direction; a mirror lobe counts as 0.
+  BsdfValue eval(Vec3f wi) const {
+    BsdfValue result;
+    const float cos_i = dot(n_, wi);
+    if (!(cos_i > 0)) return result;
+    if (has_diffuse_) {
+      result.value = diffuse(wi, cos_i);
+      result.pdf = diffuse_share_ * cos_i * kInvPi;
+    }
+    // Light below the smooth surface must not make highlights through a tilted normal (3.4.1).
+    if (has_specular_ && alpha2_ > cycles::kMirrorAlpha2 && dot(ns_, wi) > 0) add_specular(wi, cos_i, result);
+    return result;
+  }
+
+  /// A direction of the mixture. u0 chooses the lobe.
+  BsdfSample sample(float u0, float u1, float u2) const {
+    BsdfSample result;
+    if (has_diffuse_ && (u0 < diffuse_share_ || !has_specular_)) {
+      result.wi = Frame(n_).to_world(sample_cosine_hemisphere(u1, u2));
+    } else if (has_specular_) {
+      if (alpha2_ <= cycles::kMirrorAlpha2) return sample_mirror();
+      const Frame frame(n_);
+      const Vec3f h = sample_ggx_visible_normal(frame.to_local(wo_), std::sqrt(alpha2_), u1, u2);
+      const Vec3f h_world = frame.to_world(h);
+      result.wi = 2 * dot(h_world, wo_) * h_world - wo_;
+    } else {
+      return result;
+    }
+    if (!(dot(ng_, result.wi) > 0)) return result;
+    const BsdfValue value = eval(result.wi);
+    result.value = value.value;
+    result.pdf = value.pdf;
+    return result;
+  }
+
+  bool is_black() const { return !has_diffuse_ && !has_specular_; }
+
+ private:
+  // Cycles' sample weights: mean albedo against the Fresnel reflectance towards the viewer.
+  void choose_lobes(bool first_hit) {
+    float diffuse_weight = has_diffuse_ ? mean(base_) : 0;
+    float specular_weight = has_specular_ ? fresnel(cos_o_) : 0;
+    const float sum = diffuse_weight + specular_weight;
+    if (first_hit) {
+      if (has_diffuse_) diffuse_weight = std::max(diffuse_weight, cycles::kDefensiveShare * sum);
+      if (has_specular_) specular_weight = std::max(specular_weight, cycles::kDefensiveShare * sum);
+    }
+    const float total = diffuse_weight + specular_weight;
+    diffuse_share_ = total > 0 ? diffuse_weight / total : 0;
+  }
+
+  // F0 is scalar, so the blend of Cycles' principled Fresnel from F0 to 1 is the dielectric curve itself.
+  float fresnel(float c) const { return fresnel_dielectric(c, eta_); }
+
+  Vec3f diffuse(Vec3f wi, float cos_i) const {
+    const float wl = schlick_weight(cos_i), wv = schlick_weight(cos_o_);
+    const float retro = roughness_ * (dot(wi, wo_) + 1);
+    float value = (1 - 0.5f * wv) * (1 - 0.5f * wl) + retro * (wl + wv + wl * wv * (retro - 1));
+    value *= cos_i * kInvPi;
+    if (bumped_) value *= cycles::bump_terminator(ns_, n_, wi);
+    return value * base_;
+  }
+
+  void add_specular(Vec3f wi, float cos_i, BsdfValue& result) const {
+    const Vec3f h = normalised(wi + wo_);
+    const float cos_h = dot(n_, h);
+    if (!(cos_h > 0)) return;
+    const float t = cos_h * cos_h * (alpha2_ - 1) + 1;
+    const float d = alpha2_ * kInvPi / (t * t);
+    const float g1_o = ggx_g1(cos_o_, alpha2_);
+    const float common = g1_o * d / (4 * cos_o_);
+    const float value = fresnel(dot(wi, h)) * common * ggx_g1(cos_i, alpha2_);
+    result.value += Vec3f{value, value, value};
+    result.pdf += (1 - diffuse_share_) * common;
+  }
+
+  BsdfSample sample_mirror() const {
+    BsdfSample result;
+    result.wi = 2 * cos_o_ * n_ - wo_;
+    if (!(dot(ng_, result.wi) > 0)) return result;
+    const BsdfValue rest = eval(result.wi);
+    const float value = fresnel(cos_o_) * cycles::kMirrorDensity;
+    result.value = rest.value + Vec3f{value, value, value};
+    result.pdf = rest.pdf + (1 - diffuse_share_) * cycles::kMirrorDensity;
+    return result;
+  }
+
+  Vec3f base_, n_, ns_, ng_, wo_;
+  float roughness_, cos_o_, alpha2_, f0_, eta_, diffuse_share_;
+  bool bumped_, has_diffuse_, has_specular_;
+};
+
+}  // namespace ohb

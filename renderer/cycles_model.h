@@ -1,0 +1,61 @@
+// What exists only to match Cycles. Each constant or function names the versions it holds for.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "dataset/model/vec.h"
+
+namespace ohb::cycles {
+
+/// Closures whose colour is below this are not made (3.x to 4.x, CLOSURE_WEIGHT_CUTOFF).
+constexpr float kClosureWeightCutoff = 1e-5f;
+/// GGX narrower than this (alpha squared) is a mirror (3.x to 4.2).
+constexpr float kMirrorAlpha2 = 1e-7f;
+/// The value that stands for the infinite density of a mirror (3.x).
+constexpr float kMirrorDensity = 1e6f;
+/// At the first hit each lobe is chosen with at least this share (3.x).
+constexpr float kDefensiveShare = 0.125f;
+/// Real reflectance at normal incidence = 0.08 x Specular (Principled v1, 3.x).
+constexpr float kF0PerSpecular = 0.08f;
+/// Environment lookups wrap around the poles as well (all versions so far).
+constexpr bool kEnvironmentWrapsPoles = true;
+
+/// The normal, turned towards ng in the plane of both just so far that the mirror direction of wo about it
+/// leaves the surface: dot(reflect(wo), ng) >= min(0.9 dot(ng, wo), 0.01). Applied to every lobe (up to 3.5).
+/// With n' = sin(p) x + cos(p) ng and wo = wx x + wz ng + ..., dot(reflect(wo), ng) = wx sin 2p + wz cos 2p.
+inline Vec3f ensure_valid_reflection(Vec3f ng, Vec3f wo, Vec3f n) {
+  const float wz = dot(wo, ng);
+  const float limit = std::min(0.9f * wz, 0.01f);
+  const Vec3f mirror = 2 * dot(n, wo) * n - wo;
+  if (dot(mirror, ng) >= limit) return n;
+  const float cos_n = dot(n, ng);
+  const Vec3f side = n - cos_n * ng;
+  const float side_length = length(side);
+  if (!(side_length > 1e-6f)) return ng;
+  const Vec3f x = side / side_length;
+  const float wx = dot(wo, x);
+  const float amplitude = std::sqrt(wx * wx + wz * wz);
+  if (!(amplitude > 0)) return ng;
+  const float middle = std::atan2(wx, wz);
+  const float reach = std::acos(std::clamp(limit / amplitude, -1.0f, 1.0f));
+  const float angle_n = std::atan2(side_length, cos_n);
+  // The mirror condition holds at angle 0 and fails at n: of both roots the larger one below n is the border.
+  float best = 0;
+  for (const float root : {0.5f * (middle + reach), 0.5f * (middle - reach)})
+    if (root > best && root <= angle_n) best = root;
+  return std::sin(best) * x + std::cos(best) * ng;
+}
+
+/// Softens the terminator of bumped diffuse lobes: factor on the lobe where n differs from the smooth normal
+/// ns (up to 4.4; Estevez et al. 2019 in the cubic form of Chiang et al. 2019).
+inline float bump_terminator(Vec3f ns, Vec3f n, Vec3f wi) {
+  const float cos_i = dot(n, wi) * dot(ns, n);
+  if (!(cos_i != 0)) return 0;
+  const float g = dot(ns, wi) / cos_i;
+  if (g >= 1) return 1;
+  if (g < 0) return 0;
+  return g * (1 + g * (1 - g));
+}
+
+}  // namespace ohb::cycles

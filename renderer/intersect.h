@@ -1,0 +1,95 @@
+// Rays against the scene, with cut-outs passed by chance (closest hit) or by transmittance (shadow rays).
+#pragma once
+
+#include <cmath>
+#include <limits>
+
+#include "renderer/sampling.h"
+#include "renderer/scene.h"
+
+namespace ohb {
+
+struct Ray {
+  Vec3f origin, direction;  // unit direction, subject frame, cm
+};
+
+/// Rays of one tile.
+struct RayCounts {
+  uint64_t closest_hit = 0, shadow = 0;
+};
+
+inline RTCRayHit embree_ray(const Ray& ray, float t_near, float t_far) {
+  RTCRayHit r;
+  r.ray.org_x = ray.origin.x, r.ray.org_y = ray.origin.y, r.ray.org_z = ray.origin.z;
+  r.ray.dir_x = ray.direction.x, r.ray.dir_y = ray.direction.y, r.ray.dir_z = ray.direction.z;
+  r.ray.tnear = t_near, r.ray.tfar = t_far, r.ray.time = 0;
+  r.ray.mask = 0xffffffffu, r.ray.id = 0, r.ray.flags = 0;
+  r.hit.geomID = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  return r;
+}
+
+/// Closest hit of one bounding volume hierarchy; false if there is none in [t_near, t_far].
+inline bool intersect_bvh(RTCScene bvh, uint32_t first_triangle, const Ray& ray, float t_near, float t_far,
+                          Hit& hit) {
+  RTCRayHit r = embree_ray(ray, t_near, t_far);
+  intersect_one(bvh, r);
+  if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  hit = {first_triangle + r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar};
+  return true;
+}
+
+inline Vec2f uv_at(const Scene& scene, const Hit& hit) {
+  const TriangleAttributes& a = scene.attributes[hit.triangle];
+  return (1 - hit.u - hit.v) * a.uv[0] + hit.u * a.uv[1] + hit.v * a.uv[2];
+}
+
+inline float alpha_at(const Scene& scene, const Hit& hit) {
+  return scene.sets[scene.attributes[hit.triangle].set].alpha(uv_at(scene, hit));
+}
+
+/// The closest hit that a ray does not pass: each cut-out layer is passed with probability 1 - alpha.
+template <bool kCutouts>
+bool intersect(const Scene& scene, const Ray& ray, Random& random, RayCounts& counts, Hit& hit) {
+  ++counts.closest_hit;
+  float t_far = std::numeric_limits<float>::infinity();
+  bool found = scene.opaque && intersect_bvh(scene.opaque, 0, ray, 0, t_far, hit);
+  if constexpr (kCutouts) {
+    if (found) t_far = hit.t;
+    float t_near = 0;
+    Hit layer;
+    while (intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
+      const float alpha = alpha_at(scene, layer);
+      if (alpha >= 1 || random.next() < alpha) {
+        hit = layer;
+        return true;
+      }
+      t_near = std::nextafter(layer.t, t_far);
+      ++counts.closest_hit;
+    }
+  }
+  return found;
+}
+
+/// Share of light that arrives from `t_far` cm away (infinite for environments): 0 behind anything opaque.
+template <bool kCutouts>
+float transmittance(const Scene& scene, const Ray& ray, float t_far, RayCounts& counts) {
+  ++counts.shadow;
+  if (scene.opaque) {
+    RTCRayHit r = embree_ray(ray, 0, t_far);
+    occluded_one(scene.opaque, r.ray);
+    if (r.ray.tfar < 0) return 0;
+  }
+  float light = 1;
+  if constexpr (kCutouts) {
+    float t_near = 0;
+    Hit layer;
+    while (light > 0 && intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
+      light *= 1 - std::fmin(1.0f, alpha_at(scene, layer));
+      t_near = std::nextafter(layer.t, std::numeric_limits<float>::infinity());
+      ++counts.shadow;
+    }
+  }
+  return light;
+}
+
+}  // namespace ohb

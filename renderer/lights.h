@@ -1,0 +1,72 @@
+// Environment and point lights: lookup, sampling and its pdf.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "renderer/render.h"
+#include "renderer/sampling.h"
+
+namespace ohb {
+
+/// Inverse CDF of a table of non-negative weights with a guide table: monotone in u, so that stratified
+/// numbers stay stratified, and O(1) on average (Chen and Asau 1974).
+class PiecewiseConstant {
+ public:
+  PiecewiseConstant() = default;
+  explicit PiecewiseConstant(const std::vector<double>& weights);
+
+  /// Index of the cell that u in [0,1) falls in; `rest` is the place in the cell in [0,1).
+  int sample(float u, float& rest) const {
+    const int n = static_cast<int>(cdf_.size()) - 1;
+    int i = guide_[std::min(static_cast<int>(u * static_cast<float>(n)), n - 1)];
+    while (i + 1 < n && cdf_[i + 1] <= u) ++i;
+    const float width = cdf_[i + 1] - cdf_[i];
+    rest = width > 0 ? std::clamp((u - cdf_[i]) / width, 0.0f, 0x1.fffffep-1f) : 0.5f;
+    return i;
+  }
+  float probability(int i) const { return cdf_[i + 1] - cdf_[i]; }
+  double total() const { return total_; }
+
+ private:
+  std::vector<float> cdf_;  // n + 1, from 0 to 1
+  std::vector<int> guide_;  // n: the cell of u = i / n
+  double total_ = 0;
+};
+
+struct LightSample {
+  Vec3f wi;  // unit, world, towards the light
+  Vec3f radiance;
+  float pdf = 0;  // in solid angle; 0: none
+};
+
+/// A latitude-longitude map, bilinear as Cycles looks it up, sampled by the mean of RGB over each texel's
+/// cell.
+class EnvironmentLight {
+ public:
+  explicit EnvironmentLight(const Environment& environment);
+
+  Vec3f radiance(Vec3f direction) const;
+  float pdf(Vec3f direction) const;
+  LightSample sample(float u1, float u2) const;
+  const std::string& name() const { return name_; }
+
+ private:
+  Vec3f lookup(Vec2f uv) const;
+  float pdf_of_cell(int x, int y, float sin_theta) const;
+
+  std::string name_;
+  int width_px_, height_px_;
+  std::vector<Vec3f> texels_;
+  PiecewiseConstant rows_;
+  std::vector<PiecewiseConstant> columns_;  // one a row
+};
+
+class LightSet {
+ public:
+  std::vector<EnvironmentLight> environments;
+  std::vector<PointLight> points;
+  size_t size() const { return environments.size() + points.size(); }
+};
+
+}  // namespace ohb

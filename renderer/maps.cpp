@@ -1,0 +1,91 @@
+// Material maps of a view: what the camera sees of the model's maps, averaged over what covers each pixel.
+#include <tbb/parallel_for.h>
+
+#include "dataset/model/regions.h"
+#include "renderer/surface.h"
+
+namespace ohb {
+namespace {
+
+// Weighted sums of one pixel.
+struct PixelSums {
+  float weight = 0;
+  Vec3f normal, albedo;
+  float roughness = 0, specular = 0, sss = 0, displacement = 0;
+  float classes[kClassCount] = {};
+};
+
+void add_layer(const Scene& scene, const ViewCamera& view, const Ray& ray, const Hit& hit, float weight,
+               double turn_rad, PixelSums& sums) {
+  const SurfacePoint point = surface_at(scene, hit, -ray.direction);
+  sums.weight += weight;
+  sums.normal += weight * view.to_camera(point.n);
+  sums.albedo += weight * point.texel.albedo;
+  sums.roughness += weight * point.texel.roughness;
+  sums.specular += weight * point.texel.specular;
+  sums.sss += weight * point.texel.sss;
+  sums.displacement += weight * turn_about_y(point.position, turn_rad).z;
+  if (point.material_class < kClassCount) sums.classes[point.material_class] += weight;
+}
+
+// All layers along a ray, front to back, until nothing more can be seen.
+void add_point(const Scene& scene, const ViewCamera& view, const Ray& ray, double turn_rad, PixelSums& sums) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  Hit solid, layer;
+  const bool has_solid = scene.opaque && intersect_bvh(scene.opaque, 0, ray, 0, kInfinity, solid);
+  float visible = 1, t_near = 0;
+  const float t_far = has_solid ? solid.t : kInfinity;
+  while (scene.cutout && visible > 0 &&
+         intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
+    const float alpha = std::clamp(alpha_at(scene, layer), 0.0f, 1.0f);
+    if (alpha > 0) add_layer(scene, view, ray, layer, visible * alpha, turn_rad, sums);
+    visible *= 1 - alpha;
+    t_near = std::nextafter(layer.t, kInfinity);
+  }
+  if (has_solid && visible > 0) add_layer(scene, view, ray, solid, visible, turn_rad, sums);
+}
+
+void store(const PixelSums& sums, int points, int x, int y, Sample& sample) {
+  *sample.mask.pixel(x, y) = std::fmin(1.0f, sums.weight / static_cast<float>(points));
+  if (!(sums.weight > 0)) return;
+  const float scale = 1 / sums.weight;
+  const Vec3f n = normalised(sums.normal), albedo = sums.albedo * scale;
+  float* normal = sample.normal.pixel(x, y);
+  float* diffuse = sample.diffuse.pixel(x, y);
+  for (int c = 0; c < 3; ++c) normal[c] = n[c], diffuse[c] = albedo[c];
+  *sample.roughness.pixel(x, y) = sums.roughness * scale;
+  *sample.specular.pixel(x, y) = sums.specular * scale;
+  *sample.sss.pixel(x, y) = sums.sss * scale;
+  *sample.displacement.pixel(x, y) = sums.displacement * scale;
+  for (int c = 0; c < kClassCount; ++c) sample.classes.pixel(x, y)[c] = sums.classes[c] * scale;
+}
+
+}  // namespace
+
+Sample render_maps(const Scene& scene, const Camera& camera, double turn_rad, const RenderSettings& settings,
+                   const PixelsDone& done) {
+  const int n = settings.size_px, grid = settings.map_grid;
+  Sample sample;
+  for (Image* image : {&sample.mask, &sample.roughness, &sample.specular, &sample.sss, &sample.displacement})
+    *image = Image(n, n, 1);
+  sample.normal = sample.diffuse = Image(n, n, 3);
+  sample.classes = Image(n, n, kClassCount);
+  const ViewCamera view(camera, turn_rad, n);
+  tbb::parallel_for(0, n, [&](int y) {
+    for (int x = 0; x < n; ++x) {
+      PixelSums sums;
+      for (int j = 0; j < grid; ++j)
+        for (int i = 0; i < grid; ++i) {
+          const float step = 1 / static_cast<float>(grid);
+          const Ray ray = view.ray(static_cast<float>(x) + (static_cast<float>(i) + 0.5f) * step,
+                                   static_cast<float>(y) + (static_cast<float>(j) + 0.5f) * step);
+          add_point(scene, view, ray, turn_rad, sums);
+        }
+      store(sums, grid * grid, x, y, sample);
+    }
+    if (done) done(static_cast<size_t>(n));
+  });
+  return sample;
+}
+
+}  // namespace ohb

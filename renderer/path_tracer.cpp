@@ -1,0 +1,195 @@
+// One path serves all lights: the way through the scene does not depend on them, so each vertex asks every
+// light for its share (next-event estimation), and a ray that leaves the scene asks every environment.
+// The estimate of light l is a sum over path vertices of
+//   throughput x [ f cos L_l(wi) V / pdf_l  w(pdf_l, pdf_bsdf)            (light sampling)
+//               or f cos L_l(wi) / pdf_bsdf w(pdf_bsdf, pdf_l) ]           (BSDF sampling)
+// with w the power heuristic between that light's own density and the BSDF's: unbiased for each light alone.
+#include <pmmintrin.h>
+#include <tbb/blocked_range2d.h>
+#include <tbb/parallel_for.h>
+#include <xmmintrin.h>
+
+#include <atomic>
+#include <chrono>
+
+#include "renderer/lights.h"
+#include "renderer/surface.h"
+
+namespace ohb {
+namespace {
+
+constexpr int kTile_px = 16;
+constexpr int kRouletteFromBounce = 2;  // Cycles: the continuation test starts at the third surface
+
+struct TileResult {
+  RayCounts rays;
+  uint64_t nonfinite = 0;
+};
+
+// Everything that one pixel's paths share.
+struct PathContext {
+  const Scene& scene;
+  const LightSet& lights;
+  double turn_rad;
+  Vec3f turn_x, turn_z;  // the world's X and Z axes in the subject's frame
+  int max_bounces;
+
+  Vec3f to_world(Vec3f v) const { return {dot(v, turn_x), v.y, dot(v, turn_z)}; }
+  Vec3f to_subject(Vec3f v) const { return v.x * turn_x + Vec3f{0, v.y, 0} + v.z * turn_z; }
+};
+
+void add(Vec3f contribution, Vec3f& sum, TileResult& tile) {
+  if (is_finite(contribution))
+    sum += contribution;
+  else
+    ++tile.nonfinite;
+}
+
+template <bool kCutouts>
+void sample_lights(const PathContext& c, const SurfacePoint& point, const PrincipledV1& bsdf,
+                   Vec3f throughput, Random& random, TileResult& tile, std::vector<Vec3f>& radiance) {
+  // One pair of numbers for all lights: each light's image is unbiased by itself.
+  const float u1 = random.next(), u2 = random.next();
+  for (size_t l = 0; l < c.lights.environments.size(); ++l) {
+    const LightSample light = c.lights.environments[l].sample(u1, u2);
+    if (!(light.pdf > 0) || !(max_component(light.radiance) > 0)) continue;
+    const Vec3f wi = c.to_subject(light.wi);
+    const BsdfValue f = bsdf.eval(wi);
+    if (!(max_component(f.value) > 0)) continue;
+    const Ray ray{ray_origin(c.scene, point.position, point.ng, wi), wi};
+    const float visible =
+        transmittance<kCutouts>(c.scene, ray, std::numeric_limits<float>::infinity(), tile.rays);
+    if (visible > 0)
+      add(throughput * f.value * light.radiance * (visible * power_heuristic(light.pdf, f.pdf) / light.pdf),
+          radiance[l], tile);
+  }
+  for (size_t i = 0; i < c.lights.points.size(); ++i) {
+    const PointLight& light = c.lights.points[i];
+    const Vec3f to_light = turn_about_y(light.position_cm, -c.turn_rad) - point.position;
+    const float distance_cm = length(to_light);
+    if (!(distance_cm > 0)) continue;
+    const Vec3f wi = to_light / distance_cm;
+    const BsdfValue f = bsdf.eval(wi);
+    if (!(max_component(f.value) > 0)) continue;
+    const Ray ray{ray_origin(c.scene, point.position, point.ng, wi), wi};
+    const float visible = transmittance<kCutouts>(c.scene, ray, distance_cm, tile.rays);
+    const float distance_m = distance_cm * 0.01f;
+    add(throughput * f.value * (visible * light.intensity / (distance_m * distance_m)),
+        radiance[c.lights.environments.size() + i], tile);
+  }
+}
+
+void add_environments(const PathContext& c, Vec3f direction, float bsdf_pdf, Vec3f throughput,
+                      TileResult& tile, std::vector<Vec3f>& radiance) {
+  const Vec3f world = c.to_world(direction);
+  for (size_t l = 0; l < c.lights.environments.size(); ++l) {
+    const EnvironmentLight& light = c.lights.environments[l];
+    const float weight = power_heuristic(bsdf_pdf, light.pdf(world));
+    add(throughput * light.radiance(world) * weight, radiance[l], tile);
+  }
+}
+
+template <bool kCutouts>
+void trace_path(const PathContext& c, Ray ray, Random& random, TileResult& tile,
+                std::vector<Vec3f>& radiance) {
+  Vec3f throughput{1, 1, 1};
+  float bsdf_pdf = 0;
+  for (int bounce = 0;; ++bounce) {
+    Hit hit;
+    if (!intersect<kCutouts>(c.scene, ray, random, tile.rays, hit)) {
+      // The camera sees no background: it is transparent.
+      if (bounce > 0) add_environments(c, ray.direction, bsdf_pdf, throughput, tile, radiance);
+      return;
+    }
+    if (bounce > c.max_bounces) return;
+    if (bounce >= kRouletteFromBounce) {
+      const float survive = std::fmin(1.0f, std::sqrt(max_component(throughput)));
+      if (!(random.next() < survive)) return;
+      throughput *= 1 / survive;
+    }
+    const Vec3f wo = -ray.direction;
+    const SurfacePoint point = surface_at(c.scene, hit, wo);
+    const PrincipledV1 bsdf = bsdf_at(point, wo, bounce == 0);
+    if (bsdf.is_black()) return;
+    sample_lights<kCutouts>(c, point, bsdf, throughput, random, tile, radiance);
+    const float u0 = random.next(), u1 = random.next(), u2 = random.next();
+    const BsdfSample next = bsdf.sample(u0, u1, u2);
+    if (!(next.pdf > 0) || !(max_component(next.value) > 0)) return;
+    throughput *= next.value / next.pdf;
+    bsdf_pdf = next.pdf;
+    ray = {ray_origin(c.scene, point.position, point.ng, next.wi), next.wi};
+  }
+}
+
+template <bool kCutouts>
+TileResult render_tile(const PathContext& c, const ViewCamera& camera, const RenderSettings& settings,
+                       const tbb::blocked_range2d<int>& tile_range, std::vector<SampleLight>& images) {
+  TileResult tile;
+  std::vector<Vec3f> radiance(c.lights.size());
+  for (int y = tile_range.rows().begin(); y < tile_range.rows().end(); ++y)
+    for (int x = tile_range.cols().begin(); x < tile_range.cols().end(); ++x) {
+      std::fill(radiance.begin(), radiance.end(), Vec3f{});
+      const uint64_t pixel =
+          static_cast<uint64_t>(y) * static_cast<uint64_t>(settings.size_px) + static_cast<uint64_t>(x);
+      for (int s = 0; s < settings.spp; ++s) {
+        Random random(settings.seed, pixel, static_cast<uint64_t>(s));
+        const float jitter_x = random.next(), jitter_y = random.next();
+        const bool centre = s == 0 && settings.first_sample_at_centre;
+        const Ray ray = camera.ray(static_cast<float>(x) + (centre ? 0.5f : jitter_x),
+                                   static_cast<float>(y) + (centre ? 0.5f : jitter_y));
+        trace_path<kCutouts>(c, ray, random, tile, radiance);
+      }
+      for (size_t l = 0; l < radiance.size(); ++l) {
+        float* out = images[l].radiance.pixel(x, y);
+        const Vec3f mean_radiance = radiance[l] / static_cast<float>(settings.spp);
+        out[0] = mean_radiance.x, out[1] = mean_radiance.y, out[2] = mean_radiance.z;
+      }
+    }
+  return tile;
+}
+
+}  // namespace
+
+std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& lights, const Camera& camera,
+                                       double turn_rad, const RenderSettings& settings,
+                                       RenderStatistics* statistics, const PixelsDone& done) {
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<SampleLight> images;
+  for (const EnvironmentLight& light : lights.environments)
+    images.push_back({light.name(), Image(settings.size_px, settings.size_px, 3)});
+  for (const PointLight& light : lights.points)
+    images.push_back({light.name, Image(settings.size_px, settings.size_px, 3)});
+  const PathContext context{scene,
+                            lights,
+                            turn_rad,
+                            turn_about_y({1, 0, 0}, -turn_rad),
+                            turn_about_y({0, 0, 1}, -turn_rad),
+                            settings.max_bounces};
+  const ViewCamera view(camera, turn_rad, settings.size_px);
+  std::atomic<uint64_t> closest_hit{0}, shadow{0}, nonfinite{0};
+  tbb::parallel_for(
+      tbb::blocked_range2d<int>(0, settings.size_px, kTile_px, 0, settings.size_px, kTile_px),
+      [&](const tbb::blocked_range2d<int>& range) {
+        // Embree is slow on denormals; no radiance that small is visible.
+        _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+        _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+        const TileResult tile = scene.cutout ? render_tile<true>(context, view, settings, range, images)
+                                             : render_tile<false>(context, view, settings, range, images);
+        closest_hit += tile.rays.closest_hit;
+        shadow += tile.rays.shadow;
+        nonfinite += tile.nonfinite;
+        if (done) done(range.rows().size() * range.cols().size());
+      },
+      tbb::simple_partitioner());
+  if (statistics) {
+    const uint64_t pixels = static_cast<uint64_t>(settings.size_px) * static_cast<uint64_t>(settings.size_px);
+    statistics->paths += pixels * static_cast<uint64_t>(settings.spp);
+    statistics->closest_hit_rays += closest_hit;
+    statistics->shadow_rays += shadow;
+    statistics->nonfinite += nonfinite;
+    statistics->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+  return images;
+}
+
+}  // namespace ohb

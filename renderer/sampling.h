@@ -1,0 +1,89 @@
+// Random numbers and warps. Every warp states its pdf, in the measure that it names.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "dataset/model/vec.h"
+
+namespace ohb {
+
+constexpr float kPi = 3.14159265358979323846f;
+constexpr float kInvPi = 1.0f / kPi;
+
+/// Avalanche of a 64-bit word (SplitMix64's finaliser, Steele et al. 2014).
+inline uint64_t mix_bits(uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+
+/// PCG-XSH-RR 64/32 (O'Neill 2014), seeded by what is drawn: (seed, pixel, sample), never by time or thread.
+class Random {
+ public:
+  Random(uint64_t seed, uint64_t pixel, uint64_t sample)
+      : state_(mix_bits(mix_bits(mix_bits(seed + 0x9e3779b97f4a7c15ull) ^ pixel) +
+                        0x9e3779b97f4a7c15ull * (sample + 1))),
+        increment_(mix_bits(state_ ^ pixel) | 1) {}
+  uint32_t next_bits() {
+    const uint64_t old = state_;
+    state_ = old * 6364136223846793005ull + increment_;
+    const uint32_t shifted = static_cast<uint32_t>(((old >> 18) ^ old) >> 27);
+    const uint32_t turn = static_cast<uint32_t>(old >> 59);
+    return (shifted >> turn) | (shifted << ((32 - turn) & 31));
+  }
+  /// Uniform in [0, 1).
+  float next() { return static_cast<float>(next_bits() >> 8) * 0x1p-24f; }
+
+ private:
+  uint64_t state_, increment_;
+};
+
+/// An orthonormal frame about a unit vector (Duff et al. 2017).
+struct Frame {
+  Vec3f s, t, n;
+  explicit Frame(Vec3f normal) : n(normal) {
+    const float sign = std::copysign(1.0f, n.z);
+    const float a = -1.0f / (sign + n.z), b = n.x * n.y * a;
+    s = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
+    t = {b, sign + n.y * n.y * a, -n.y};
+  }
+  Vec3f to_local(Vec3f v) const { return {dot(v, s), dot(v, t), dot(v, n)}; }
+  Vec3f to_world(Vec3f v) const { return v.x * s + v.y * t + v.z * n; }
+};
+
+/// A point of the unit disk, uniform (polar; u1 = 0 is the centre). pdf 1 / pi in area.
+inline Vec2f sample_disk(float u1, float u2) {
+  const float radius = std::sqrt(u1), phi = 2 * kPi * u2;
+  return {radius * std::cos(phi), radius * std::sin(phi)};
+}
+
+/// A direction about +Z, pdf cos(theta) / pi in solid angle.
+inline Vec3f sample_cosine_hemisphere(float u1, float u2) {
+  const Vec2f d = sample_disk(u1, u2);
+  return {d.x, d.y, std::sqrt(std::fmax(0.0f, 1 - u1))};
+}
+
+/// A GGX normal visible from `wo` (local, wo.z > 0), isotropic width alpha. Heitz, "Sampling the GGX
+/// Distribution of Visible Normals", JCGT 2018, with pdf G1(wo) max(0, wo.h) D(h) / wo.z in solid angle of h.
+inline Vec3f sample_ggx_visible_normal(Vec3f wo, float alpha, float u1, float u2) {
+  const Vec3f v = normalised({alpha * wo.x, alpha * wo.y, wo.z});
+  const float length2 = v.x * v.x + v.y * v.y;
+  const Vec3f t1 = length2 > 0 ? Vec3f{-v.y, v.x, 0} / std::sqrt(length2) : Vec3f{1, 0, 0};
+  const Vec3f t2 = cross(v, t1);
+  Vec2f p = sample_disk(u1, u2);
+  const float blend = 0.5f * (1 + v.z);
+  p.y = (1 - blend) * std::sqrt(std::fmax(0.0f, 1 - p.x * p.x)) + blend * p.y;
+  const Vec3f h = p.x * t1 + p.y * t2 + std::sqrt(std::fmax(0.0f, 1 - dot(p, p))) * v;
+  return normalised({alpha * h.x, alpha * h.y, std::fmax(1e-6f, h.z)});
+}
+
+/// Power heuristic with exponent 2 (Veach 1997, section 9.2): the weight of the strategy with pdf `a`.
+inline float power_heuristic(float a, float b) {
+  // Ratios instead of squares: a pdf of 1e25 must not overflow.
+  if (a <= 0) return 0;
+  const float ratio = b / a;
+  return 1 / (1 + ratio * ratio);
+}
+
+}  // namespace ohb
