@@ -12,9 +12,10 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
 }
 
 // Each of these is in its own cmd_<name>.cpp.
+void add_render_command(CLI::App& app, Commands& commands);
 
 void Commands::add_to(CLI::App& app) {
-  (void)app;
+  add_render_command(app, *this);
 }
 
 }  // namespace ohb

@@ -1,3 +1,5 @@
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
@@ -7,6 +9,7 @@
 #include "dataset/cli/commands.h"
 #include "dataset/cli/version.h"
 #include "dataset/model/error.h"
+#include "dataset/model/interrupt.h"
 
 namespace ohb {
 
@@ -34,6 +37,10 @@ int run(int argc, char** argv) {
     limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                   static_cast<size_t>(commands.common.threads));
   check_processor();
+  catch_interrupts();
+  // stdout belongs to results.
+  spdlog::set_default_logger(spdlog::stderr_color_mt("openhumanbrdf"));
+  spdlog::set_pattern("%^%l%$: %v");
   return commands.run();
 }
 

@@ -43,9 +43,9 @@ struct Model {
   std::vector<Vec2f> uvs;
   std::vector<ModelTriangle> triangles;
   std::vector<TextureSet> sets;
-  std::string source_sha256;       // of the scan's mesh file
-  std::string source_file;         // its name, without folders
-  double source_unit_cm = 1;       // position_cm = source position x source_unit_cm + source_shift_cm
+  std::string source_sha256;  // of the scan's mesh file
+  std::string source_file;    // its name, without folders
+  double source_unit_cm = 1;  // position_cm = source position x source_unit_cm + source_shift_cm
   Vec3f source_shift_cm;
 };
 

@@ -1,0 +1,87 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "dataset/cli/commands.h"
+#include "dataset/model/atomic_file.h"
+#include "dataset/production/render_samples.h"
+
+namespace ohb {
+namespace {
+
+struct Options {
+  std::string model, output, views = "1";
+  std::vector<std::string> environments, points;
+  int size_px = 512, spp = 256, bounces = 32;
+};
+
+int run_render(const Options& options, const CommonOptions& common) {
+  RenderJob job;
+  job.model_folder = options.model;
+  job.environments.assign(options.environments.begin(), options.environments.end());
+  for (const std::string& point : options.points)
+    job.points.push_back(parse_point_light(point, job.points.size()));
+  job.views = parse_views(options.views);
+  job.settings.size_px = options.size_px;
+  job.settings.spp = options.spp;
+  job.settings.max_bounces = options.bounces;
+  job.settings.seed = common.seed;
+  job.output = options.output;
+  const RenderReport report = render_samples(job);
+  if (common.json) {
+    std::printf("%s", read_file(job.output / "render.json").c_str());
+    return 0;
+  }
+  size_t done = 0;
+  double seconds = 0;
+  uint64_t paths = 0, rays = 0;
+  for (const RenderedView& view : report.views) {
+    done += !view.was_there;
+    seconds += view.statistics.seconds;
+    paths += view.statistics.paths;
+    rays += view.statistics.closest_hit_rays + view.statistics.shadow_rays;
+  }
+  std::printf("%s: %zu views rendered, %zu were there\n", options.output.c_str(), done,
+              report.views.size() - done);
+  if (done > 0 && seconds > 0)
+    std::printf("%.1f s for the lights, %.2f million paths/s, %.2f million rays/s, loading %.1f s\n", seconds,
+                1e-6 * static_cast<double>(paths) / seconds, 1e-6 * static_cast<double>(rays) / seconds,
+                report.load_seconds);
+  return 0;
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, Commands& commands) {
+  CLI::App* command =
+      app.add_subcommand("render", "Samples of a model: one EXR a view with mask, maps and every light");
+  auto options = std::make_shared<Options>();
+  command->add_option("MODEL", options->model, "folder that bake wrote")->required();
+  command->add_option("--environment", options->environments,
+                      "latitude-longitude map, linear; may be repeated");
+  command->add_option("--point", options->points,
+                      "point light x,y,z,I: cm, and irradiance at 1 m; may be repeated");
+  command->add_option("--views", options->views, "N: all of N views around a turn; N:i,j,...: some of them")
+      ->capture_default_str();
+  command->add_option("--size", options->size_px, "width and height in pixels")
+      ->check(CLI::Range(1, 16384))
+      ->capture_default_str();
+  command->add_option("--spp", options->spp, "paths a pixel")
+      ->check(CLI::Range(1, 1 << 24))
+      ->capture_default_str();
+  command->add_option("--bounces", options->bounces, "indirect bounces at most")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command->add_option("-o,--output", options->output, "folder for the samples")->required();
+  add_common_options(*command, commands.common);
+  command->footer(
+      "Examples:\n"
+      "  openhumanbrdf render model --environment studio.exr --environment sunset.exr --views 8 -o samples\n"
+      "  openhumanbrdf render model --point 100,220,200,5 --views 100:0,25 --size 256 --spp 64 -o samples\n"
+      "An interrupted run goes on where it stopped when the same command is given again.");
+  command->callback([options, &commands] {
+    commands.run = [options, &commands] { return run_render(*options, commands.common); };
+  });
+}
+
+}  // namespace ohb

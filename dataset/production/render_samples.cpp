@@ -1,0 +1,238 @@
+#include "dataset/production/render_samples.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/error.h"
+#include "dataset/model/interrupt.h"
+#include "dataset/model/progress.h"
+#include "dataset/production/sample_previews.h"
+
+namespace ohb {
+namespace fs = std::filesystem;
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+template <typename T>
+bool parse_number(std::string_view text, T& value) {
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  return result.ec == std::errc() && result.ptr == text.data() + text.size();
+}
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (size_t begin = 0;;) {
+    const size_t end = text.find(separator, begin);
+    parts.push_back(text.substr(begin, end - begin));
+    if (end == std::string_view::npos) return parts;
+    begin = end + 1;
+  }
+}
+
+std::string shortest(double value) {
+  char buffer[64];
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
+}
+
+ExrAttributes attributes_of(const RenderJob& job, const Model& model, const std::string& model_sha256,
+                            const std::vector<Environment>& environments, const Camera& camera, int view) {
+  const RenderSettings& s = job.settings;
+  ExrAttributes a = {
+      {"ohb:human", model.name},
+      {"ohb:modelHash", model_sha256},
+      {"ohb:view", std::to_string(view)},
+      {"ohb:viewCount", std::to_string(job.views.count)},
+      {"ohb:turn_deg", shortest(360.0 * view / job.views.count)},
+      {"ohb:seed", std::to_string(s.seed)},
+      {"ohb:spp", std::to_string(s.spp)},
+      {"ohb:maxBounces", std::to_string(s.max_bounces)},
+      {"ohb:mapGrid", std::to_string(s.map_grid)},
+      {"ohb:subsurface", "replaced by diffuse"},
+      {"ohb:unit", "cm"},
+      {"ohb:cameraCenterY_cm", shortest(camera.center_y_cm)},
+      {"ohb:cameraDistance_cm", shortest(camera.distance_cm)},
+      {"ohb:cameraHalfWidth", shortest(camera.half_width)},
+      {"ohb:displacementRange_cm", shortest(camera.half_frame_cm())},
+      {"ohb:conventions",
+       "normal: camera space, +X right, +Y up, +Z to the viewer; specular: S, F0 = sRGB_to_linear(S); "
+       "roughness: alpha = roughness^2; displacement: cm from the plane z = 0 towards the camera; "
+       "relit: linear Rec. 709, premultiplied by mask"},
+      {"ohb:toolVersion", OHB_VERSION},
+  };
+  for (const Environment& environment : environments)
+    a.emplace_back("ohb:environment." + environment.name, environment.sha256);
+  for (const PointLight& light : job.points)
+    a.emplace_back("ohb:point." + light.name,
+                   shortest(light.position_cm.x) + "," + shortest(light.position_cm.y) + "," +
+                       shortest(light.position_cm.z) + "," + shortest(light.intensity));
+  return a;
+}
+
+// Written by this version with these parameters? Anything else (another file, a broken one) is rendered anew.
+bool is_done(const fs::path& file, ExrAttributes wanted) {
+  if (!fs::exists(file)) return false;
+  try {
+    ExrAttributes found;
+    for (auto& attribute : read_sample(file).attributes) found.push_back(attribute);
+    std::sort(found.begin(), found.end());
+    std::sort(wanted.begin(), wanted.end());
+    return found == wanted;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+void check_lights(const RenderJob& job, const std::vector<Environment>& environments) {
+  if (environments.empty() && job.points.empty())
+    throw InputError("", "render", "there is no light", "give --environment E.exr or --point x,y,z,I");
+  std::set<std::string> names;
+  for (const Environment& environment : environments)
+    if (!names.insert(environment.name).second)
+      throw InputError(environment.file.string(), "",
+                       "another environment is named '" + environment.name + "' too",
+                       "rename one of the files: parts of a sample are named by them");
+}
+
+bool has_subsurface(const Model& model) {
+  for (const TextureSet& set : model.sets)
+    for (const float value : set.sss.values)
+      if (value > 0) return true;
+  return false;
+}
+
+void write_render_json(const RenderJob& job, const RenderReport& report) {
+  nlohmann::json json;
+  json["load_s"] = report.load_seconds;
+  json["subsurface_replaced_by_diffuse"] = report.subsurface_replaced;
+  for (const RenderedView& view : report.views)
+    json["views"].push_back({{"view", view.view},
+                             {"file", view.file.filename().string()},
+                             {"was_there", view.was_there},
+                             {"maps_s", view.map_seconds},
+                             {"lights_s", view.statistics.seconds},
+                             {"paths", view.statistics.paths},
+                             {"closest_hit_rays", view.statistics.closest_hit_rays},
+                             {"shadow_rays", view.statistics.shadow_rays},
+                             {"nonfinite_left_out", view.statistics.nonfinite}});
+  write_file_atomically(job.output / "render.json", json.dump(2) + "\n");
+}
+
+std::string view_name(int view) {
+  std::string digits = std::to_string(view);
+  return "view_" + std::string(digits.size() < 3 ? 3 - digits.size() : 0, '0') + digits;
+}
+
+}  // namespace
+
+ViewList parse_views(const std::string& text) {
+  const auto fail = [&]() {
+    throw InputError("", "--views " + text, "is not a list of views",
+                     "write N (all of N) or N:i,j,... with 0 <= i < N");
+  };
+  ViewList views;
+  const size_t colon = text.find(':');
+  if (!parse_number(std::string_view(text).substr(0, colon), views.count) || views.count < 1 ||
+      views.count > 100000)
+    fail();
+  views.indices.clear();
+  if (colon == std::string::npos)
+    for (int i = 0; i < views.count; ++i) views.indices.push_back(i);
+  else
+    for (const std::string_view part : split(std::string_view(text).substr(colon + 1), ',')) {
+      int index = -1;
+      if (!parse_number(part, index) || index < 0 || index >= views.count) fail();
+      views.indices.push_back(index);
+    }
+  return views;
+}
+
+PointLight parse_point_light(const std::string& text, size_t index) {
+  const std::vector<std::string_view> parts = split(text, ',');
+  float v[4] = {};
+  bool good = parts.size() == 4;
+  for (size_t i = 0; good && i < 4; ++i) good = parse_number(parts[i], v[i]) && std::isfinite(v[i]);
+  if (!good || v[3] < 0)
+    throw InputError("", "--point " + text, "is not a point light",
+                     "write x,y,z,I: the position in cm and the intensity (irradiance at 1 m), I >= 0");
+  return {"point" + std::to_string(index), {v[0], v[1], v[2]}, v[3]};
+}
+
+uint64_t seed_of_view(uint64_t job_seed, const std::string& model_name, int view, int view_count) {
+  // FNV-1a: a fixed hash, since std::hash may differ between libraries.
+  uint64_t hash = 0xcbf29ce484222325ull;
+  for (const char c : model_name + "/" + std::to_string(view) + "/" + std::to_string(view_count) + "/" +
+                          std::to_string(job_seed))
+    hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+  return hash;
+}
+
+RenderReport render_samples(const RenderJob& job) {
+  const auto start = Clock::now();
+  std::vector<Environment> environments;
+  for (const fs::path& file : job.environments) environments.push_back(read_environment(file));
+  check_lights(job, environments);
+  const Model model = read_model(job.model_folder);
+  const std::string model_sha256 = sha256_of_file(job.model_folder / "model.xml");
+  std::error_code error;
+  fs::create_directories(job.output / "previews", error);
+  if (error)
+    throw InputError(job.output.string(), "", "cannot be created: " + error.message(), "choose another -o");
+
+  RenderReport report;
+  report.subsurface_replaced = has_subsurface(model);
+  if (report.subsurface_replaced)
+    spdlog::warn(
+        "subsurface scattering is replaced by diffuse reflection in this version: skin looks harder than it "
+        "is");
+  const auto scene = build_scene(model);
+  const auto lights = prepare_lights(environments, job.points);
+  const Camera camera = fit_camera(model.positions_cm);
+  report.load_seconds = seconds_since(start);
+
+  const size_t pixels = static_cast<size_t>(job.settings.size_px) * job.settings.size_px;
+  Progress progress("rendering", job.views.indices.size() * pixels, job.quiet);
+  for (const int view : job.views.indices) {
+    RenderedView rendered;
+    rendered.view = view;
+    rendered.file = job.output / (view_name(view) + ".exr");
+    const ExrAttributes attributes = attributes_of(job, model, model_sha256, environments, camera, view);
+    if (is_done(rendered.file, attributes)) {
+      rendered.was_there = true;
+      progress.add(pixels);
+    } else {
+      RenderSettings settings = job.settings;
+      settings.seed = seed_of_view(job.settings.seed, model.name, view, job.views.count);
+      const double turn_rad = turn_of_view(view, job.views.count);
+      const auto map_start = Clock::now();
+      Sample sample = render_maps(*scene, camera, turn_rad, settings, [](size_t) { throw_if_interrupted(); });
+      rendered.map_seconds = seconds_since(map_start);
+      sample.lights =
+          render_lights(*scene, *lights, camera, turn_rad, settings, &rendered.statistics, [&](size_t n) {
+            throw_if_interrupted();
+            progress.add(n);
+          });
+      if (rendered.statistics.nonfinite > 0)
+        spdlog::warn("view {}: {} contributions were NaN or infinite and left out", view,
+                     rendered.statistics.nonfinite);
+      sample.attributes = attributes;
+      write_previews(job.output / "previews", view_name(view), sample);
+      write_sample(rendered.file, sample);
+    }
+    report.views.push_back(rendered);
+  }
+  write_render_json(job, report);
+  return report;
+}
+
+}  // namespace ohb
