@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <set>
+#include <string_view>
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
@@ -22,22 +24,89 @@ constexpr int kMaxEdge_px = 65536;
                    "export it again as PNG, JPEG, TIFF or EXR");
 }
 
-std::unique_ptr<OIIO::ImageInput> open_image(const fs::path& file) {
-  if (!fs::exists(file)) throw InputError(file.string(), "", "no such file", "check the path");
-  if (fs::is_directory(file))
-    throw InputError(file.string(), "", "is a folder, not an image", "name the file in it");
-  if (fs::file_size(file) == 0)
-    throw InputError(file.string(), "", "is empty (0 bytes)", "copy or export it again");
-  OIIO::ImageSpec config;
-  config["oiio:UnassociatedAlpha"] = 1;
-  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string(), &config);
-  if (!input) throw_unreadable(file, oiio_error(nullptr));
-  const OIIO::ImageSpec& spec = input->spec();
+/// OpenImageIO's name of the format whose signature the file begins with, or null.
+const char* format_of(std::string_view start) {
+  const auto begins = [&](std::string_view magic) { return start.substr(0, magic.size()) == magic; };
+  if (begins("\x89PNG\r\n\x1a\n")) return "png";
+  if (begins("\xff\xd8\xff")) return "jpeg";
+  if (begins(std::string_view("II*\0", 4)) || begins(std::string_view("MM\0*", 4))) return "tiff";
+  if (begins("\x76\x2f\x31\x01")) return "openexr";
+  if (begins("#?RADIANCE") || begins("#?RGBE")) return "hdr";
+  return nullptr;
+}
+
+/// A header may claim any size; no format packs more than about this many values into a byte.
+constexpr size_t kMaxValuesPerByte = 2000, kMaxValues = size_t{1} << 30;
+
+void check_size(const OIIO::ImageSpec& spec, size_t byte_count, const fs::path& file) {
+  const std::string size = std::to_string(spec.width) + " x " + std::to_string(spec.height) + " x " +
+                           std::to_string(spec.nchannels);
   if (spec.width < 1 || spec.height < 1 || spec.width > kMaxEdge_px || spec.height > kMaxEdge_px ||
       spec.depth > 1 || spec.nchannels < 1 || spec.nchannels > 64)
-    throw_unreadable(file, "size " + std::to_string(spec.width) + " x " + std::to_string(spec.height) +
-                               " x " + std::to_string(spec.nchannels));
-  return input;
+    throw_unreadable(file, "size " + size);
+  const size_t values = static_cast<size_t>(spec.width) * spec.height * spec.nchannels;
+  if (values > kMaxValues || values / kMaxValuesPerByte > byte_count)
+    throw_unreadable(file, "claims " + size + " values in " + std::to_string(byte_count) + " bytes");
+}
+
+/// An image that is open for reading, from a file or from memory.
+struct OpenImage {
+  std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;  // must outlive `input`
+  std::unique_ptr<OIIO::ImageInput> input;
+  fs::path file;
+  size_t byte_count = 0;
+};
+
+void open_input(OpenImage& image, std::string_view start) {
+  if (image.byte_count == 0)
+    throw InputError(image.file.string(), "", "is empty (0 bytes)", "copy or export it again");
+  const char* format = format_of(start);
+  if (!format)
+    throw InputError(image.file.string(), "", "is no PNG, JPEG, TIFF, EXR or HDR image",
+                     "export it as one of these");
+  OIIO::ImageSpec config, spec;
+  config["oiio:UnassociatedAlpha"] = 1;
+  image.input = OIIO::ImageInput::create(format);
+  if (!image.input) throw_unreadable(image.file, oiio_error(nullptr));
+  if (image.memory) image.input->set_ioproxy(image.memory.get());
+  if (!image.input->open(image.file.string(), spec, config))
+    throw_unreadable(image.file, oiio_error(image.input.get()));
+  check_size(image.input->spec(), image.byte_count, image.file);
+}
+
+OpenImage open_image(const fs::path& file) {
+  if (!fs::exists(file)) throw InputError(file.string(), "", "no such file", "check the path");
+  if (!fs::is_regular_file(file))
+    throw InputError(file.string(), "", "is a folder, not an image", "name the file in it");
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw InputError(file.string(), "", "cannot be read", "check its permissions");
+  char start[16] = {};
+  stream.read(start, sizeof start);
+  OpenImage image;
+  image.file = file;
+  image.byte_count = fs::file_size(file);
+  open_input(image, std::string_view(start, static_cast<size_t>(stream.gcount())));
+  return image;
+}
+
+OpenImage open_image_bytes(const std::string& bytes, const std::string& name) {
+  OpenImage image;
+  image.file = name;
+  image.byte_count = bytes.size();
+  image.memory = std::make_unique<OIIO::Filesystem::IOMemReader>(bytes.data(), bytes.size());
+  open_input(image, bytes);
+  return image;
+}
+
+ImageFileInfo info_of(const OIIO::ImageSpec& spec) {
+  ImageFileInfo info;
+  info.width_px = spec.width;
+  info.height_px = spec.height;
+  info.channels = spec.nchannels;
+  info.bits = spec.get_int_attribute("oiio:BitsPerSample", static_cast<int>(spec.format.size()) * 8);
+  info.is_float = spec.format.is_floating_point();
+  info.has_alpha = spec.alpha_channel >= 0 && spec.alpha_channel == spec.nchannels - 1;
+  return info;
 }
 
 Image read_part(OIIO::ImageInput& input, int subimage, const OIIO::ImageSpec& spec, const fs::path& file) {
@@ -45,6 +114,12 @@ Image read_part(OIIO::ImageInput& input, int subimage, const OIIO::ImageSpec& sp
   if (!read_subimage(input, subimage, spec.nchannels, image.values.data()))
     throw_unreadable(file, oiio_error(&input));
   return image;
+}
+
+Image read_first_part(const OpenImage& open, ImageFileInfo* info) {
+  const OIIO::ImageSpec spec = open.input->spec();
+  if (info) *info = info_of(spec);
+  return read_part(*open.input, 0, spec, open.file);
 }
 
 void clamp_to_half(std::vector<float>& values) {
@@ -85,14 +160,19 @@ void check_written(bool done, OIIO::ImageOutput& output, const fs::path& file) {
 }  // namespace
 
 Image read_image(const fs::path& file, ImageFileInfo* info) {
-  auto input = open_image(file);
-  const OIIO::ImageSpec spec = input->spec();
-  if (info) {
-    info->bits = spec.get_int_attribute("oiio:BitsPerSample", static_cast<int>(spec.format.size()) * 8);
-    info->is_float = spec.format.is_floating_point();
-    info->has_alpha = spec.alpha_channel >= 0 && spec.alpha_channel == spec.nchannels - 1;
-  }
-  return read_part(*input, 0, spec, file);
+  return read_first_part(open_image(file), info);
+}
+
+Image read_image_bytes(const std::string& bytes, const std::string& name, ImageFileInfo* info) {
+  return read_first_part(open_image_bytes(bytes, name), info);
+}
+
+ImageFileInfo probe_image(const fs::path& file) {
+  return info_of(open_image(file).input->spec());
+}
+
+ImageFileInfo probe_image_bytes(const std::string& bytes, const std::string& name) {
+  return info_of(open_image_bytes(bytes, name).input->spec());
 }
 
 void write_exr(const fs::path& file, const std::vector<ExrPart>& parts, const ExrAttributes& attributes) {
@@ -118,10 +198,12 @@ void write_exr(const fs::path& file, const std::vector<ExrPart>& parts, const Ex
 }
 
 std::vector<ExrPart> read_exr(const fs::path& file, ExrAttributes* attributes) {
-  auto input = open_image(file);
+  const OpenImage open = open_image(file);
+  OIIO::ImageInput* input = open.input.get();
   std::vector<ExrPart> parts;
   for (int subimage = 0; input->seek_subimage(subimage, 0); ++subimage) {
     const OIIO::ImageSpec spec = input->spec();
+    check_size(spec, open.byte_count, file);
     ExrPart part;
     part.name = spec.get_string_attribute("oiio:subimagename");
     part.channels = spec.channelnames;

@@ -27,6 +27,7 @@ struct Image {
 
 /// How a file stored its values, as far as a reader must know.
 struct ImageFileInfo {
+  int width_px = 0, height_px = 0, channels = 0;
   int bits = 0;            // per channel: 8, 16, 32
   bool is_float = false;   // half or float
   bool has_alpha = false;  // the last channel is alpha
@@ -36,6 +37,13 @@ struct ImageFileInfo {
 /// encoded), floats as they are, alpha never premultiplied into the colour.
 /// Throws InputError for a file that is missing, empty, truncated or not an image.
 Image read_image(const std::filesystem::path& file, ImageFileInfo* info = nullptr);
+/// The same of an encoded image in memory; `name` stands for the file in messages.
+Image read_image_bytes(const std::string& bytes, const std::string& name, ImageFileInfo* info = nullptr);
+
+/// Reads the header only: what read_image would say in `info`. Throws as read_image, apart from damage
+/// beyond the header.
+ImageFileInfo probe_image(const std::filesystem::path& file);
+ImageFileInfo probe_image_bytes(const std::string& bytes, const std::string& name);
 
 /// One part of a multi-part EXR.
 struct ExrPart {

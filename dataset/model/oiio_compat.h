@@ -1,6 +1,7 @@
 // What differs between OpenImageIO 2.4 and 3 (no other file includes its version).
 #pragma once
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/oiioversion.h>
 

@@ -24,6 +24,8 @@ struct ScanPicture {
 /// The picture's pixels as read_image(path) gives them: values as stored, alpha not premultiplied.
 /// Throws InputError naming `picture.file` if it is truncated or not an image.
 Image read_image(const ScanPicture& picture, ImageFileInfo* info = nullptr);
+/// Its header only.
+ImageFileInfo probe_image(const ScanPicture& picture);
 
 /// One material of the file. Pictures exist and carry the header of an image; empty() if there is none.
 struct ScanMaterial {
@@ -53,6 +55,7 @@ struct Scan {
   std::vector<ScanMaterial> materials;
   std::vector<std::string> groups;       // object or group names; at least one
   std::optional<double> stated_unit_cm;  // cm a unit, where the format states it (GLB: 100, FBX)
+  std::vector<std::string> notes;        // what the file holds and is not used, one line each
   bool has_file_normals = false;         // read and not used: normals are smooth over shared positions
 
   size_t face_count() const { return face_begin.empty() ? 0 : face_begin.size() - 1; }
@@ -70,8 +73,9 @@ struct ScanTriangle {
   uint32_t face;
 };
 
-/// Triangles in face order. Quads split along the shorter diagonal, larger polygons by ear clipping;
-/// winding is kept. Zero-area triangles are kept too (labels index faces); `inspect` counts them.
+/// Triangles in face order. Quads split along the shorter diagonal (the other one where a concave quad would
+/// fold over), larger polygons by ear clipping; winding is kept. Zero-area triangles are kept too (labels
+/// index faces); `inspect` counts them.
 std::vector<ScanTriangle> triangulate(const Scan& scan);
 
 }  // namespace ohb

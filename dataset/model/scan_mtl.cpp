@@ -1,0 +1,174 @@
+// Wavefront MTL: the statements that a human's materials need.
+//   Kd                         diffuse colour, linear; only where there is no map_Kd (as Blender does)
+//   map_Kd                     diffuse picture, sRGB
+//   map_d                      cut-out, with -imfchan m, l or none
+//   norm                       tangent-space normal map
+//   map_Bump, map_bump, bump   a normal map if the picture is one; a grey height map is noted and not used
+#include <cmath>
+
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/error.h"
+#include "dataset/model/scan_readers.h"
+#include "dataset/model/text_lines.h"
+
+namespace ohb {
+namespace {
+
+struct MapStatement {
+  std::string picture;
+  std::string channel;  // of -imfchan
+};
+
+/// True if the pixels are coloured as directions are, false for a grey height map.
+bool looks_like_normal_map(const ScanPicture& picture) {
+  const Image image = read_image(picture);
+  if (image.channels < 3) return false;
+  const size_t pixels = static_cast<size_t>(image.width_px) * image.height_px;
+  const size_t step = pixels / 65536 + 1;
+  size_t grey = 0, seen = 0;
+  for (size_t i = 0; i < pixels; i += step, ++seen) {
+    const float* p = &image.values[i * image.channels];
+    if (std::abs(p[0] - p[2]) < 0.02f && std::abs(p[1] - p[2]) < 0.02f) ++grey;
+  }
+  return grey * 2 < seen;
+}
+
+class MtlReader {
+ public:
+  MtlReader(const std::filesystem::path& file, std::string_view text, std::vector<std::string>& notes)
+      : file_(file), lines_(file, text), notes_(notes) {}
+
+  std::map<std::string, ScanMaterial> read() {
+    while (lines_.next()) read_line(lines_.line());
+    for (auto& [name, material] : materials_)
+      if (!material.diffuse.empty()) material.diffuse_factor = {1, 1, 1};
+    return std::move(materials_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& cause, const std::string& mend) const {
+    throw InputError(file_.string(), lines_.place(), cause, mend);
+  }
+
+  void read_line(std::string_view line) {
+    const std::string keyword(next_word(line));
+    if (keyword == "newmtl") {
+      start_material(line);
+    } else if (keyword == "Kd") {
+      current(keyword).diffuse_factor = read_colour(line);
+    } else if (keyword == "map_Kd") {
+      current(keyword).diffuse = find_picture(file_, lines_.place(), read_map(keyword, line).picture);
+    } else if (keyword == "map_d") {
+      read_alpha(line);
+    } else if (keyword == "norm") {
+      current(keyword).normal = find_picture(file_, lines_.place(), read_map(keyword, line).picture);
+    } else if (keyword == "map_Bump" || keyword == "map_bump" || keyword == "bump") {
+      read_bump(keyword, line);
+    }
+  }
+
+  void start_material(std::string_view line) {
+    name_ = std::string(trimmed(line));
+    if (name_.empty()) fail("newmtl without a name", "name the material");
+    if (materials_.count(name_)) fail("material '" + name_ + "' is there twice", "rename one of them");
+    materials_[name_].name = name_;
+  }
+
+  ScanMaterial& current(const std::string& keyword) {
+    if (name_.empty()) fail(keyword + " before any newmtl", "the file may be cut off: export it again");
+    return materials_[name_];
+  }
+
+  Vec3f read_colour(std::string_view line) const {
+    float rgb[3] = {0, 0, 0};
+    for (int i = 0; i < 3; ++i) {
+      const std::string_view word = next_word(line);
+      if (word.empty() && i > 0) {
+        rgb[i] = rgb[0];  // one number stands for all three
+      } else if (!parse_float(word, rgb[i]) || !std::isfinite(rgb[i]) || rgb[i] < 0) {
+        fail("Kd: '" + std::string(word.substr(0, 40)) + "' is no colour value",
+             "write three numbers from 0 to 1");
+      }
+    }
+    return {rgb[0], rgb[1], rgb[2]};
+  }
+
+  void read_alpha(std::string_view line) {
+    const MapStatement map = read_map("map_d", line);
+    if (!map.channel.empty() && map.channel != "m" && map.channel != "l")
+      fail("map_d takes the channel '" + map.channel + "'",
+           "put the cut-out into the alpha channel and write -imfchan m");
+    current("map_d").alpha = find_picture(file_, lines_.place(), map.picture);
+  }
+
+  void read_bump(const std::string& keyword, std::string_view line) {
+    ScanMaterial& material = current(keyword);
+    const ScanPicture picture = find_picture(file_, lines_.place(), read_map(keyword, line).picture);
+    if (!looks_like_normal_map(picture)) {
+      notes_.push_back(file_.filename().string() + ": " + lines_.place() + ": " +
+                       picture.file.filename().string() + " is a grey height map, which is not used");
+    } else if (material.normal.empty()) {  // `norm` goes first
+      material.normal = picture;
+    }
+  }
+
+  /// The options, then the picture's name, which may hold blanks.
+  MapStatement read_map(const std::string& keyword, std::string_view line) const {
+    MapStatement map;
+    for (line = trimmed(line); !line.empty() && line.front() == '-'; line = trimmed(line)) {
+      std::string_view rest = line;
+      const std::string option(next_word(rest));
+      const int least = least_arguments(option);
+      if (least < 0) break;  // a file name that begins with '-'
+      read_option(option, least, rest, map);
+      line = rest;
+    }
+    map.picture = std::string(line);
+    if (map.picture.empty()) fail(keyword + " without a picture", "name the picture or remove the line");
+    return map;
+  }
+
+  /// Words that must follow the option; -1 for what is no option.
+  static int least_arguments(const std::string& option) {
+    if (option == "-mm") return 2;
+    for (const char* known : {"-o", "-s", "-t", "-blendu", "-blendv", "-boost", "-cc", "-clamp", "-texres",
+                              "-imfchan", "-bm", "-type"})
+      if (option == known) return 1;
+    return -1;
+  }
+
+  void read_option(const std::string& option, int least, std::string_view& rest, MapStatement& map) const {
+    const bool moves_uvs = option == "-o" || option == "-s";
+    const bool vector = moves_uvs || option == "-t";
+    for (int i = 0; i < (vector ? 3 : least); ++i) {
+      std::string_view after = rest;
+      const std::string_view word = next_word(after);
+      float value = 0;
+      const bool is_number = parse_float(word, value);
+      if (vector && i > 0 && !is_number) break;
+      if (word.empty() || (vector && !is_number))
+        fail("option " + option + " without its value", "correct or remove the option");
+      if (moves_uvs && i < 2 && value != (option == "-o" ? 0.0f : 1.0f))
+        fail("option " + option + " moves or scales the picture, which is not supported",
+             "apply it to the UVs and remove it");
+      if (option == "-imfchan") map.channel = std::string(word);
+      rest = after;
+    }
+  }
+
+  std::filesystem::path file_;
+  TextLines lines_;
+  std::vector<std::string>& notes_;
+  std::map<std::string, ScanMaterial> materials_;
+  std::string name_;
+};
+
+}  // namespace
+
+std::map<std::string, ScanMaterial> read_mtl(const std::filesystem::path& file,
+                                             std::vector<std::string>& notes) {
+  const std::string text = read_file(file);
+  return MtlReader(file, text, notes).read();
+}
+
+}  // namespace ohb

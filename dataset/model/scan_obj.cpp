@@ -1,0 +1,226 @@
+// Wavefront OBJ. Read here and not by a library because labels index faces and corners in source order,
+// positions must be the nearest floats, and an error must name its line.
+#include <unordered_map>
+
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/error.h"
+#include "dataset/model/scan_readers.h"
+#include "dataset/model/text_lines.h"
+
+namespace ohb {
+namespace {
+
+class ObjReader {
+ public:
+  ObjReader(const std::filesystem::path& file, std::string_view text) : file_(file), lines_(file, text) {
+    scan_.file = file;
+  }
+
+  Scan read() {
+    while (lines_.next()) read_line(lines_.line());
+    close_faces(scan_);
+    check_indices();
+    resolve_materials();
+    if (scan_.groups.empty()) scan_.groups.push_back("default");
+    return std::move(scan_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& cause, const std::string& mend = "") const {
+    throw InputError(file_.string(), lines_.place(), cause, mend);
+  }
+
+  void read_line(std::string_view line) {
+    const std::string_view keyword = next_word(line);
+    if (keyword == "v") {
+      read_position(line);
+    } else if (keyword == "vt") {
+      read_uv(line);
+    } else if (keyword == "vn") {
+      scan_.has_file_normals = true;
+    } else if (keyword == "f") {
+      read_face(line);
+    } else if (keyword == "usemtl") {
+      material_ = index_of(std::string(trimmed(line)), material_names_, material_indices_, "materials");
+    } else if (keyword == "g" || keyword == "o") {
+      group_name_ = std::string(trimmed(line));
+      group_known_ = false;
+    } else if (keyword == "mtllib") {
+      read_materials(std::string(trimmed(line)));
+    }
+  }
+
+  void read_numbers(std::string_view line, const char* what, int wanted, int at_least, float* values) {
+    for (int i = 0; i < wanted; ++i) {
+      const std::string_view word = next_word(line);
+      if (word.empty() && i >= at_least) return;
+      if (word.empty())
+        fail(std::string(what) + " has " + std::to_string(i) + " numbers instead of " +
+                 std::to_string(at_least),
+             "export the scan again: the line is cut off");
+      if (!parse_float(word, values[i]))
+        fail(std::string(what) + ": '" + std::string(word.substr(0, 40)) + "' is no number",
+             "numbers have a decimal point and fit a 32-bit float");
+    }
+  }
+
+  void check_room(size_t count, const char* what) const {
+    if (count >= kMaxScanElements)
+      fail("more than " + std::to_string(kMaxScanElements) + " " + what, "reduce the scan");
+  }
+
+  void read_position(std::string_view line) {
+    check_room(scan_.positions.size(), "vertices");
+    float xyz[3] = {0, 0, 0};
+    read_numbers(line, "vertex", 3, 3, xyz);
+    const Vec3f position{xyz[0], xyz[1], xyz[2]};
+    if (!is_finite(position))
+      fail(numbered("vertex", scan_.positions.size()) + " is not finite", "remove the vertex and its faces");
+    scan_.positions.push_back(position);
+  }
+
+  void read_uv(std::string_view line) {
+    check_room(scan_.uvs.size(), "UVs");
+    float uv[2] = {0, 0};
+    read_numbers(line, "UV", 2, 1, uv);
+    if (!is_finite(Vec2f{uv[0], uv[1]}))
+      fail(numbered("UV", scan_.uvs.size()) + " is not finite", "unwrap its faces again");
+    scan_.uvs.push_back({uv[0], uv[1]});
+  }
+
+  /// OBJ counts from 1; negative indices count back from the latest element.
+  uint32_t read_index(std::string_view word, size_t latest, const char* what) const {
+    long long index = 0;
+    if (!parse_integer(word, index))
+      fail(std::string("face: '") + std::string(word.substr(0, 40)) + "' is no " + what + " index",
+           "corners are written v, v/vt, v//vn or v/vt/vn");
+    if (index < 0) index += static_cast<long long>(latest) + 1;
+    if (index < 1 || index > static_cast<long long>(kMaxScanElements))
+      fail(std::string("face: ") + what + " index " + std::string(word) + " is out of range",
+           "export the scan again: indices count from 1");
+    return static_cast<uint32_t>(index - 1);
+  }
+
+  Corner read_corner(std::string_view word) const {
+    Corner corner;
+    const size_t slash = word.find('/');
+    corner.position = read_index(word.substr(0, slash), scan_.positions.size(), "vertex");
+    if (slash == std::string_view::npos) return corner;
+    const std::string_view tail = word.substr(slash + 1);
+    const std::string_view uv = tail.substr(0, tail.find('/'));
+    if (!uv.empty()) corner.uv = read_index(uv, scan_.uvs.size(), "UV");
+    return corner;
+  }
+
+  void read_face(std::string_view line) {
+    check_room(scan_.corners.size(), "corners");
+    if (!group_known_) {
+      group_ =
+          index_of(group_name_.empty() ? "default" : group_name_, scan_.groups, group_indices_, "groups");
+      group_known_ = true;
+    }
+    if (material_ == kNoMaterial)
+      material_ = index_of("default", material_names_, material_indices_, "materials");
+    begin_face(scan_, material_, group_);
+    face_lines_.push_back(static_cast<uint32_t>(lines_.number()));
+    const size_t first = scan_.corners.size();
+    for (std::string_view word = next_word(line); !word.empty(); word = next_word(line))
+      scan_.corners.push_back(read_corner(word));
+    const size_t count = scan_.corners.size() - first;
+    if (count < 3)
+      fail("face with " + std::to_string(count) + (count == 1 ? " corner" : " corners"),
+           "a face needs 3 corners: remove the line");
+    if (count > kMaxFaceCorners)
+      fail("face with " + std::to_string(count) + " corners",
+           "split it: a face may have " + std::to_string(kMaxFaceCorners));
+    for (size_t i = first; i < scan_.corners.size(); ++i)
+      if ((scan_.corners[i].uv == Corner::kNoUv) != (scan_.corners[first].uv == Corner::kNoUv))
+        fail("face with a UV at some corners only", "unwrap it whole or not at all");
+  }
+
+  /// At the end of the file, since a face may come before its vertices.
+  void check_indices() const {
+    for (size_t f = 0; f < scan_.face_count(); ++f)
+      for (uint32_t c = scan_.face_begin[f]; c < scan_.face_begin[f + 1]; ++c) {
+        const Corner& corner = scan_.corners[c];
+        const bool bad_position = corner.position >= scan_.positions.size();
+        if (!bad_position && (corner.uv == Corner::kNoUv || corner.uv < scan_.uvs.size())) continue;
+        throw InputError(file_.string(), "line " + std::to_string(face_lines_[f]),
+                         std::string("face: ") + (bad_position ? "vertex" : "UV") + " index " +
+                             std::to_string((bad_position ? corner.position : corner.uv) + 1) +
+                             " is out of range: the file has " +
+                             std::to_string(bad_position ? scan_.positions.size() : scan_.uvs.size()),
+                         "the file may be cut off: export the scan again");
+      }
+  }
+
+  size_t index_of(const std::string& name, std::vector<std::string>& names,
+                  std::unordered_map<std::string, size_t>& indices, const char* what) const {
+    const auto [found, is_new] = indices.emplace(name, names.size());
+    if (is_new && names.size() >= kMaxScanNames)
+      fail("more than " + std::to_string(kMaxScanNames) + " " + what, "join some of them");
+    if (is_new) names.push_back(name);
+    return found->second;
+  }
+
+  /// One name that may hold blanks, or several names.
+  void read_materials(const std::string& names) {
+    has_library_ = true;
+    if (names.empty()) fail("mtllib without a file name", "name the .mtl file or remove the line");
+    if (read_library(names)) return;
+    std::string_view rest = names;
+    for (std::string_view name = next_word(rest); !name.empty(); name = next_word(rest))
+      if (!read_library(std::string(name)))
+        fail("material library '" + names + "' is not there",
+             "put it into " + file_.parent_path().string() + " or remove the line");
+  }
+
+  bool read_library(std::string name) {
+    for (char& c : name)
+      if (c == '\\') c = '/';
+    const std::filesystem::path library = file_.parent_path() / name;
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(library, ignored)) return false;
+    for (auto& [key, material] : read_mtl(library, scan_.notes)) library_.emplace(key, material);
+    return true;
+  }
+
+  void resolve_materials() {
+    for (const std::string& name : material_names_) {
+      const auto found = library_.find(name);
+      const bool is_default = name == "default";
+      if (found == library_.end() && has_library_ && !is_default)
+        throw InputError(file_.string(), "usemtl " + name, "no .mtl file of the scan has this material",
+                         "correct the name or the mtllib line");
+      if (found != library_.end()) {
+        scan_.materials.push_back(found->second);
+      } else {
+        scan_.materials.emplace_back();
+        scan_.materials.back().name = name;
+      }
+    }
+  }
+
+  static constexpr size_t kNoMaterial = static_cast<size_t>(-1);
+
+  std::filesystem::path file_;
+  TextLines lines_;
+  Scan scan_;
+  std::vector<uint32_t> face_lines_;
+  std::vector<std::string> material_names_;
+  std::unordered_map<std::string, size_t> material_indices_, group_indices_;
+  std::map<std::string, ScanMaterial> library_;
+  bool has_library_ = false;
+  size_t material_ = kNoMaterial, group_ = 0;
+  std::string group_name_;
+  bool group_known_ = false;
+};
+
+}  // namespace
+
+Scan read_obj(const std::filesystem::path& file) {
+  const std::string text = read_file(file);
+  return ObjReader(file, text).read();
+}
+
+}  // namespace ohb

@@ -1,0 +1,49 @@
+// What the three scan readers share; read_scan() is the only user. Not part of the data model's interface.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "dataset/model/scan.h"
+
+namespace ohb {
+
+/// Most corners, positions or UVs of a scan: memory stays below about 4 GiB whatever a file says.
+constexpr size_t kMaxScanElements = 64u << 20;
+/// Most corners of one face: ear clipping takes quadratic time in them.
+constexpr size_t kMaxFaceCorners = 2048;
+/// Most materials and groups (16-bit indices).
+constexpr size_t kMaxScanNames = 65535;
+
+/// Each fills positions, UVs, faces, materials and groups as the file orders them. Throws InputError.
+Scan read_obj(const std::filesystem::path& file);
+Scan read_gltf(const std::filesystem::path& file);
+Scan read_fbx(const std::filesystem::path& file);
+
+/// Materials of an .mtl file by name. `notes` gets what was seen and not used. Throws InputError with the
+/// line.
+std::map<std::string, ScanMaterial> read_mtl(const std::filesystem::path& file,
+                                             std::vector<std::string>& notes);
+
+/// The picture that `name` (as a scan file writes it, slashes either way) stands for, relative to the folder
+/// of `referrer`. Throws InputError naming `referrer` and `place` if there is no such image.
+ScanPicture find_picture(const std::filesystem::path& referrer, const std::string& place,
+                         const std::string& name);
+
+/// An embedded picture, checked to be an image. `name` makes the key unique within `scan_file`.
+ScanPicture embed_picture(const std::filesystem::path& scan_file, const std::string& name, std::string bytes);
+
+/// Starts a face of that material and group; append its corners, then start the next or close_faces().
+void begin_face(Scan& scan, size_t material, size_t group);
+/// Ends the last face.
+void close_faces(Scan& scan);
+
+/// Merges positions [first, end) that are bitwise equal (-0 counts as 0), and lets the corners from
+/// `first_corner` on use the first of each. Corner order does not change.
+void weld_positions(Scan& scan, size_t first, size_t first_corner);
+
+/// "vertex 17 of group 'body'": numbers from 1, as editors count.
+std::string numbered(const char* what, size_t index);
+
+}  // namespace ohb
