@@ -130,7 +130,9 @@ class PrincipledV1 {
     const Vec3f h = normalised(wi + wo_);
     const float cos_h = dot(n_, h);
     if (!(cos_h > 0)) return;
-    const float t = cos_h * cos_h * (alpha2_ - 1) + 1;
+    // 1 - cos^2 as |n x h|^2 (Lagrange's identity): the difference would cancel at small roughness.
+    const Vec3f sine = cross(n_, h);
+    const float t = alpha2_ * cos_h * cos_h + dot(sine, sine);
     const float d = alpha2_ * kInvPi / (t * t);
     const float g1_o = ggx_g1(cos_o_, alpha2_);
     const float common = g1_o * d / (4 * cos_o_);
