@@ -1,6 +1,7 @@
 #include "dataset/model/scan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <unordered_map>
 
@@ -125,6 +126,19 @@ Image read_image(const ScanPicture& picture, ImageFileInfo* info) {
 ImageFileInfo probe_image(const ScanPicture& picture) {
   return picture.embedded ? probe_image_bytes(*picture.embedded, picture.file.string())
                           : probe_image(picture.file);
+}
+
+bool is_normal_map(const ScanPicture& picture) {
+  const Image image = read_image(picture);
+  if (image.channels < 3) return false;
+  const size_t pixels = static_cast<size_t>(image.width_px) * image.height_px;
+  const size_t step = pixels / 65536 + 1;
+  size_t grey = 0, seen = 0;
+  for (size_t i = 0; i < pixels; i += step, ++seen) {
+    const float* p = &image.values[i * image.channels];
+    if (std::abs(p[0] - p[2]) < 0.02f && std::abs(p[1] - p[2]) < 0.02f) ++grey;
+  }
+  return grey * 2 < seen;
 }
 
 void begin_face(Scan& scan, size_t material, size_t group) {

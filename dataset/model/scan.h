@@ -54,15 +54,16 @@ struct Scan {
   std::vector<uint16_t> face_group;     // index into groups
   std::vector<ScanMaterial> materials;
   std::vector<std::string> groups;       // object or group names; at least one
-  std::optional<double> stated_unit_cm;  // cm a unit, where the format states it (GLB: 100, FBX)
+  std::optional<double> stated_unit_cm;  // cm a unit, where the format states it (glTF: 100, FBX)
   std::vector<std::string> notes;        // what the file holds and is not used, one line each
   bool has_file_normals = false;         // read and not used: normals are smooth over shared positions
 
   size_t face_count() const { return face_begin.empty() ? 0 : face_begin.size() - 1; }
 };
 
-/// Reads .obj (with its .mtl), .glb/.gltf or .fbx. GLB and FBX vertices that were split at UV seams are
-/// welded where positions are bitwise equal, so that smooth normals do not crack.
+/// Reads .obj (with its .mtl), .glb/.gltf or .fbx (7, binary or ASCII). glTF vertices that were split at UV
+/// seams are welded within their object where positions are bitwise equal, so that smooth normals do not
+/// crack. Node transforms are applied, rigged meshes stay at rest; FBX is turned to its stated up axis = +Y.
 /// Throws InputError: no such file, unknown format, truncated or malformed, no faces, index out of range,
 /// NaN or infinite position or UV (naming the vertex), missing or unreadable picture.
 Scan read_scan(const std::filesystem::path& file);

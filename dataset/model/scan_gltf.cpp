@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "dataset/model/affine.h"
 #include "dataset/model/error.h"
 #include "dataset/model/gltf_file.h"
 #include "dataset/model/scan_readers.h"
@@ -11,34 +12,6 @@ namespace ohb {
 namespace {
 
 using nlohmann::json;
-
-/// Rows of an affine transform, in double since scenes scale by 0.01 and back.
-struct Affine {
-  std::array<double, 12> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-  double operator()(int row, int column) const { return m[static_cast<size_t>(row * 4 + column)]; }
-  double& operator()(int row, int column) { return m[static_cast<size_t>(row * 4 + column)]; }
-};
-
-Affine operator*(const Affine& a, const Affine& b) {
-  Affine r;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 4; ++j)
-      r(i, j) = a(i, 0) * b(0, j) + a(i, 1) * b(1, j) + a(i, 2) * b(2, j) + (j == 3 ? a(i, 3) : 0);
-  return r;
-}
-
-Vec3f transform(const Affine& a, float x, float y, float z) {
-  const auto row = [&](int i) {
-    return static_cast<float>(a(i, 0) * x + a(i, 1) * y + a(i, 2) * z + a(i, 3));
-  };
-  return {row(0), row(1), row(2)};
-}
-
-double determinant(const Affine& a) {
-  return a(0, 0) * (a(1, 1) * a(2, 2) - a(1, 2) * a(2, 1)) -
-         a(0, 1) * (a(1, 0) * a(2, 2) - a(1, 2) * a(2, 0)) +
-         a(0, 2) * (a(1, 0) * a(2, 1) - a(1, 1) * a(2, 0));
-}
 
 template <size_t N>
 std::array<double, N> numbers(const json& object, const char* key, std::array<double, N> missing) {
@@ -275,7 +248,7 @@ class GltfReader {
   void add_positions(const std::vector<float>& values, const std::string& place, const Affine& world) {
     check_room(scan_.positions.size() + values.size() / 3, place);
     for (size_t i = 0; i + 2 < values.size(); i += 3) {
-      const Vec3f p = transform(world, values[i], values[i + 1], values[i + 2]);
+      const Vec3f p = transformed(world, values[i], values[i + 1], values[i + 2]);
       if (!is_finite(p))
         gltf_.fail(place, numbered("vertex", i / 3) + " is not finite", "remove the vertex and its faces");
       scan_.positions.push_back(p);

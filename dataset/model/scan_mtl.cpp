@@ -19,20 +19,6 @@ struct MapStatement {
   std::string channel;  // of -imfchan
 };
 
-/// True if the pixels are coloured as directions are, false for a grey height map.
-bool looks_like_normal_map(const ScanPicture& picture) {
-  const Image image = read_image(picture);
-  if (image.channels < 3) return false;
-  const size_t pixels = static_cast<size_t>(image.width_px) * image.height_px;
-  const size_t step = pixels / 65536 + 1;
-  size_t grey = 0, seen = 0;
-  for (size_t i = 0; i < pixels; i += step, ++seen) {
-    const float* p = &image.values[i * image.channels];
-    if (std::abs(p[0] - p[2]) < 0.02f && std::abs(p[1] - p[2]) < 0.02f) ++grey;
-  }
-  return grey * 2 < seen;
-}
-
 class MtlReader {
  public:
   MtlReader(const std::filesystem::path& file, std::string_view text, std::vector<std::string>& notes)
@@ -104,7 +90,7 @@ class MtlReader {
   void read_bump(const std::string& keyword, std::string_view line) {
     ScanMaterial& material = current(keyword);
     const ScanPicture picture = find_picture(file_, lines_.place(), read_map(keyword, line).picture);
-    if (!looks_like_normal_map(picture)) {
+    if (!is_normal_map(picture)) {
       notes_.push_back(file_.filename().string() + ": " + lines_.place() + ": " +
                        picture.file.filename().string() + " is a grey height map, which is not used");
     } else if (material.normal.empty()) {  // `norm` goes first

@@ -34,6 +34,10 @@ ScanPicture find_picture(const std::filesystem::path& referrer, const std::strin
 /// An embedded picture, checked to be an image. `name` makes the key unique within `scan_file`.
 ScanPicture embed_picture(const std::filesystem::path& scan_file, const std::string& name, std::string bytes);
 
+/// True if the picture's colours are those of directions, false for a grey height map (exporters write both
+/// as "bump"). Decodes the picture. Throws InputError.
+bool is_normal_map(const ScanPicture& picture);
+
 /// Starts a face of that material and group; append its corners, then start the next or close_faces().
 void begin_face(Scan& scan, size_t material, size_t group);
 /// Ends the last face.

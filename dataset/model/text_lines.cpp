@@ -76,6 +76,12 @@ std::string_view next_word(std::string_view& line) {
   return word;
 }
 
+bool parse_double(std::string_view word, double& value) {
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+  const auto read = std::from_chars(word.data(), word.data() + word.size(), value);
+  return read.ec == std::errc() && read.ptr == word.data() + word.size() && !word.empty();
+}
+
 bool parse_float(std::string_view word, float& value) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   const char* end = word.data() + word.size();
@@ -84,8 +90,7 @@ bool parse_float(std::string_view word, float& value) {
   if (read.ec == std::errc()) return true;
   // Out of range: too small is as good as 0, too large is an error.
   double wide = 0;
-  const auto read_wide = std::from_chars(word.data(), end, wide);
-  if (read_wide.ec != std::errc() || std::abs(wide) > 1) return false;
+  if (!parse_double(word, wide) || std::abs(wide) > 1) return false;
   value = static_cast<float>(wide);
   return true;
 }

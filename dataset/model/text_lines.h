@@ -38,6 +38,7 @@ std::string_view next_word(std::string_view& line);
 /// The word as a float, rounded correctly, whatever the locale. False for anything else, trailing
 /// characters included, and for values beyond the float range; "nan" and "inf" are read as such.
 bool parse_float(std::string_view word, float& value);
+bool parse_double(std::string_view word, double& value);
 /// The word as a decimal integer; false for anything else.
 bool parse_integer(std::string_view word, long long& value);
 

@@ -1,0 +1,178 @@
+#include "dataset/model/fbx_file.h"
+
+#include <zlib.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/error.h"
+#include "dataset/model/scan_readers.h"
+#include "dataset/model/text_lines.h"
+
+namespace ohb {
+namespace {
+
+constexpr const char* kExportAgain = "export the scan again";
+constexpr std::string_view kBinaryMagic("Kaydara FBX Binary  \0", 21);
+
+template <typename T>
+T load(std::string_view bytes, size_t index) {
+  T value;
+  std::memcpy(&value, bytes.data() + index * sizeof(T), sizeof(T));
+  return value;
+}
+
+size_t element_bytes(char type) {
+  switch (type) {
+    case 'b':
+      return 1;
+    case 'i':
+    case 'f':
+      return 4;
+    case 'l':
+    case 'd':
+      return 8;
+    default:
+      return 0;
+  }
+}
+
+double load_element(std::string_view bytes, char type, size_t index) {
+  switch (type) {
+    case 'b':
+      return load<uint8_t>(bytes, index);
+    case 'i':
+      return load<int32_t>(bytes, index);
+    case 'f':
+      return load<float>(bytes, index);
+    case 'l':
+      return static_cast<double>(load<int64_t>(bytes, index));
+    default:
+      return load<double>(bytes, index);
+  }
+}
+
+std::string inflated(std::string_view packed, size_t size) {
+  std::string bytes(size, '\0');
+  uLongf length = static_cast<uLongf>(size);
+  const int state =
+      uncompress(reinterpret_cast<Bytef*>(bytes.data()), &length,
+                 reinterpret_cast<const Bytef*>(packed.data()), static_cast<uLong>(packed.size()));
+  if (state != Z_OK || length != size) return std::string();
+  return bytes;
+}
+
+/// Calls `take(word)` for each number of "1,2, 3".
+template <typename Take>
+void split_numbers(std::string_view text, const Take& take) {
+  size_t at = 0;
+  const auto separates = [](char c) { return c == ',' || c == ' ' || c == '\t' || c == '\r' || c == '\n'; };
+  while (at < text.size()) {
+    while (at < text.size() && separates(text[at])) ++at;
+    const size_t begin = at;
+    while (at < text.size() && !separates(text[at])) ++at;
+    if (at > begin) take(text.substr(begin, at - begin));
+  }
+}
+
+}  // namespace
+
+const FbxNode* FbxNode::child(std::string_view child_name) const {
+  for (const FbxNode& node : children)
+    if (node.name == child_name) return &node;
+  return nullptr;
+}
+
+FbxFile::FbxFile(const std::filesystem::path& file) : file_(file), content_(read_file(file)) {
+  const bool binary = std::string_view(content_).substr(0, kBinaryMagic.size()) == kBinaryMagic;
+  root_ = binary ? parse_binary_fbx(file_, content_) : parse_ascii_fbx(file_, content_);
+}
+
+void FbxFile::fail(const std::string& place, const std::string& cause, const std::string& mend) const {
+  throw InputError(file_.string(), place, cause, mend);
+}
+
+std::string FbxFile::text(const FbxNode& node, size_t index) const {
+  const bool there = index < node.values.size();
+  if (!there ||
+      (node.values[index].type != 'S' && node.values[index].type != 'R' && node.values[index].type != 'T'))
+    fail(std::string(node.name), "value " + std::to_string(index + 1) + " is no text", kExportAgain);
+  return std::string(node.values[index].bytes);
+}
+
+double FbxFile::number(const FbxNode& node, size_t index) const {
+  const FbxValue none;
+  const FbxValue& value = index < node.values.size() ? node.values[index] : none;
+  switch (value.type) {
+    case 'C':
+      return load<uint8_t>(value.bytes, 0);
+    case 'Y':
+      return load<int16_t>(value.bytes, 0);
+    case 'I':
+      return load<int32_t>(value.bytes, 0);
+    case 'L':
+      return static_cast<double>(load<int64_t>(value.bytes, 0));
+    case 'F':
+      return load<float>(value.bytes, 0);
+    case 'D':
+      return load<double>(value.bytes, 0);
+    case 'T': {
+      double parsed = 0;
+      if (parse_double(value.bytes, parsed)) return parsed;
+      break;
+    }
+    default:
+      break;
+  }
+  fail(std::string(node.name), "value " + std::to_string(index + 1) + " is no number", kExportAgain);
+}
+
+int64_t FbxFile::integer(const FbxNode& node, size_t index) const {
+  if (index < node.values.size()) {
+    const FbxValue& value = node.values[index];
+    if (value.type == 'L') return load<int64_t>(value.bytes, 0);  // beyond the precision of double
+    long long parsed = 0;
+    if (value.type == 'T' && parse_integer(value.bytes, parsed)) return parsed;
+  }
+  const double value = number(node, index);
+  if (!(std::abs(value) < 9e15)) fail(std::string(node.name), "has no integer", kExportAgain);
+  return static_cast<int64_t>(value);
+}
+
+std::vector<double> FbxFile::numbers(const FbxNode& node) const {
+  const std::string place(node.name);
+  const FbxValue* value = node.values.empty() ? nullptr : &node.values[0];
+  std::vector<double> result;
+  const auto check_room = [&](size_t count) {
+    if (count > 3 * kMaxScanElements)
+      fail(place, "has " + std::to_string(count) + " numbers", "reduce the scan");
+  };
+  if (value && value->type == '*') {
+    split_numbers(value->bytes, [&](std::string_view word) {
+      double parsed = 0;
+      if (!parse_double(word, parsed))
+        fail(place, "'" + std::string(word.substr(0, 40)) + "' is no number", kExportAgain);
+      result.push_back(parsed);
+      check_room(result.size());
+    });
+    return result;
+  }
+  const size_t size = value ? element_bytes(value->type) : 0;
+  if (size == 0) fail(place, "is no array", kExportAgain);
+  check_room(value->count);
+  std::string unpacked;
+  std::string_view bytes = value->bytes;
+  if (value->packed) {
+    if (value->count * size / 1100 > bytes.size())
+      fail(place, "states more numbers than it holds", kExportAgain);
+    unpacked = inflated(bytes, value->count * size);
+    bytes = unpacked;
+  }
+  if (bytes.size() != value->count * size) fail(place, "is damaged: it cannot be unpacked", kExportAgain);
+  result.resize(value->count);
+  for (size_t i = 0; i < result.size(); ++i) result[i] = load_element(bytes, value->type, i);
+  return result;
+}
+
+}  // namespace ohb
