@@ -99,13 +99,13 @@ TEST(PrincipledV1, SamplerFollowsItsPdf) {
         if (!(dot(n, wo) > 1e-4f)) continue;
         const PrincipledV1 bsdf({.8f, .4f, .1f}, roughness, .04f, n, kUp, kUp, wo, true);
         // The part that Cycles discards (below the surface, ng . wi <= 0) is a bin of its own, left out on
-        // both sides; eval() also lacks the GGX part with ns . wi <= 0, which is the same set here.
+        // both sides; so is what it keeps below n and only when it was sampled (n . wi <= 0).
         const double p = chi_squared_p_value(
             [&](Random& random, Vec3f& wi) {
               const float u0 = random.next(), u1 = random.next(), u2 = random.next();
               const BsdfSample s = bsdf.sample(u0, u1, u2);
               wi = s.wi;
-              return s.pdf > 0;
+              return s.pdf > 0 && dot(n, wi) > 0;
             },
             [&](Vec3f wi) { return wi.z > 0 ? static_cast<double>(bsdf.eval(wi).pdf) : 0.0; }, 400000,
             ++seed);
