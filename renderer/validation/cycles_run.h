@@ -1,0 +1,48 @@
+// Finds Blender and has it render a scene that write_cycles_scene wrote.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "dataset/model/image.h"
+
+namespace ohb {
+
+struct Blender {
+  std::filesystem::path program;
+  std::string version;  // "3.4.1"
+};
+
+/// Asks the program (empty: `blender` in PATH) for its version. Throws InputError if it cannot be started
+/// or is not 3.4, the version whose Cycles our renderer equals.
+Blender find_blender(const std::filesystem::path& program);
+
+/// One property: what was asked for and what Blender held after the last render, as JSON text.
+struct CyclesSetting {
+  std::string name, wanted, found;
+  bool same = false;
+};
+
+struct CyclesRender {
+  uint32_t seed = 0;
+  double wall_s = 0, cpu_s = 0;  // of this image alone; loading is apart
+  Image rgba;                    // 4, linear Rec. 709, premultiplied, alpha = coverage
+};
+
+struct CyclesRun {
+  std::string version;                // Blender's version and build hash
+  double load_s = 0, load_cpu_s = 0;  // scene, trees and tables, with one sample a pixel
+  std::vector<CyclesRender> renders;  // in the order of the scene's seeds
+  std::vector<CyclesSetting> settings;
+};
+
+/// Renders folder/scene.json with blender_addon/validation_scene.py; `done(images, of)` follows the work.
+/// threads 0: all. The renders stay in folder/renders. Throws InputError with Blender's last line if it
+/// fails.
+CyclesRun run_cycles(const Blender& blender, const std::filesystem::path& folder, int threads,
+                     const std::function<void(size_t, size_t)>& done = nullptr);
+
+}  // namespace ohb

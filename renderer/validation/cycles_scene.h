@@ -1,0 +1,40 @@
+// Hands a scene to Blender: a folder of raw arrays, maps and scene.json that
+// blender_addon/validation_scene.py builds and renders in Cycles 3.4.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "dataset/model/camera.h"
+#include "dataset/model/environment.h"
+#include "dataset/model/model.h"
+#include "renderer/render.h"
+
+namespace ohb {
+
+struct CyclesScene {
+  const Model* model = nullptr;
+  const Environment* environment = nullptr;  // null: black
+  std::vector<PointLight> points;
+  Camera camera;
+  double turn_rad = 0;  // of the subject about +Y
+  int size_px = 256;
+  int spp = 128;                // at most 8192: Cycles' tables end there
+  int max_bounces = 32;         // of every kind; cut-outs pass 256
+  float sss_scale = 0;          // times the sss map; 0: diffuse, as our renderer does
+  std::vector<uint32_t> seeds;  // below 2^31; one image each
+};
+
+/// `count` seeds for Cycles, 31 bits, hashed from ours (its sampler mixes the seed by XOR: 1, 2, 3 would do
+/// less well), all different.
+std::vector<uint32_t> cycles_seeds(uint64_t seed, int count);
+
+/// Writes scene.json, positions.f32 (metres; Blender's axes (x, -z, y)), triangles.i32, corner_uvs.f32 (one a
+/// triangle corner, v up), sets.i32 (one a triangle), maps/<set>_<map>.exr (half, the precision that our
+/// renderer's texels have; a constant map is one texel) and environment.exr (float) into an existing folder.
+/// Triangles that name a position twice are left out. Throws as write_exr and write_file_atomically.
+void write_cycles_scene(const std::filesystem::path& folder, const CyclesScene& scene);
+
+}  // namespace ohb

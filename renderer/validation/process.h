@@ -1,0 +1,23 @@
+// Runs another program and reads what it prints.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace ohb {
+
+struct ProcessResult {
+  int exit_code = 0;                    // 128 + signal if a signal ended it
+  std::vector<std::string> last_lines;  // of its output, at most 40
+};
+
+/// Runs arguments[0] (found by PATH) without a shell, with stdin closed and stderr joined to stdout; calls
+/// `on_line` for each line of output. `environment` adds or replaces variables. The program is ended
+/// (SIGTERM) if ours dies or `on_line` throws. Throws InputError if it cannot be started.
+ProcessResult run_process(const std::vector<std::string>& arguments,
+                          const std::vector<std::pair<std::string, std::string>>& environment,
+                          const std::function<void(const std::string&)>& on_line);
+
+}  // namespace ohb
