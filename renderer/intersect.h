@@ -16,7 +16,14 @@ struct Ray {
 /// Rays of one tile.
 struct RayCounts {
   uint64_t closest_hit = 0, shadow = 0;
+  std::vector<RecordedRay>* record = nullptr;
 };
+
+inline void record_ray(RayCounts& counts, const Ray& ray, float t_near, float t_far, bool is_shadow,
+                       bool is_cutout) {
+  if (counts.record)
+    counts.record->push_back({ray.origin, ray.direction, t_near, t_far, is_shadow, is_cutout});
+}
 
 inline RTCRayHit embree_ray(const Ray& ray, float t_near, float t_far) {
   RTCRayHit r;
@@ -52,11 +59,13 @@ template <bool kCutouts>
 bool intersect(const Scene& scene, const Ray& ray, Random& random, RayCounts& counts, Hit& hit) {
   ++counts.closest_hit;
   float t_far = std::numeric_limits<float>::infinity();
+  record_ray(counts, ray, 0, t_far, false, false);
   bool found = scene.opaque && intersect_bvh(scene.opaque, 0, ray, 0, t_far, hit);
   if constexpr (kCutouts) {
     if (found) t_far = hit.t;
     float t_near = 0;
     Hit layer;
+    record_ray(counts, ray, t_near, t_far, false, true);
     while (intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
       const float alpha = alpha_at(scene, layer);
       if (alpha >= 1 || random.next() < alpha) {
@@ -65,6 +74,7 @@ bool intersect(const Scene& scene, const Ray& ray, Random& random, RayCounts& co
       }
       t_near = std::nextafter(layer.t, t_far);
       ++counts.closest_hit;
+      record_ray(counts, ray, t_near, t_far, false, true);
     }
   }
   return found;
@@ -74,6 +84,7 @@ bool intersect(const Scene& scene, const Ray& ray, Random& random, RayCounts& co
 template <bool kCutouts>
 float transmittance(const Scene& scene, const Ray& ray, float t_far, RayCounts& counts) {
   ++counts.shadow;
+  record_ray(counts, ray, 0, t_far, true, false);
   if (scene.opaque) {
     RTCRayHit r = embree_ray(ray, 0, t_far);
     occluded_one(scene.opaque, r.ray);
@@ -83,10 +94,12 @@ float transmittance(const Scene& scene, const Ray& ray, float t_far, RayCounts& 
   if constexpr (kCutouts) {
     float t_near = 0;
     Hit layer;
+    record_ray(counts, ray, t_near, t_far, false, true);
     while (light > 0 && intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
       light *= 1 - std::fmin(1.0f, alpha_at(scene, layer));
       t_near = std::nextafter(layer.t, std::numeric_limits<float>::infinity());
       ++counts.shadow;
+      record_ray(counts, ray, t_near, t_far, false, true);
     }
   }
   return light;

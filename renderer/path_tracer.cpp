@@ -11,6 +11,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <mutex>
 
 #include "renderer/lights.h"
 #include "renderer/surface.h"
@@ -123,8 +124,10 @@ void trace_path(const PathContext& c, Ray ray, Random& random, TileResult& tile,
 
 template <bool kCutouts>
 TileResult render_tile(const PathContext& c, const ViewCamera& camera, const RenderSettings& settings,
-                       const tbb::blocked_range2d<int>& tile_range, std::vector<SampleLight>& images) {
+                       const tbb::blocked_range2d<int>& tile_range, std::vector<SampleLight>& images,
+                       std::vector<RecordedRay>* record) {
   TileResult tile;
+  tile.rays.record = record;
   std::vector<Vec3f> radiance(c.lights.size());
   for (int y = tile_range.rows().begin(); y < tile_range.rows().end(); ++y)
     for (int x = tile_range.cols().begin(); x < tile_range.cols().end(); ++x) {
@@ -166,6 +169,7 @@ std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& light
                             turn_about_y({0, 0, 1}, -turn_rad),
                             settings.max_bounces};
   const ViewCamera view(camera, turn_rad, settings.size_px);
+  std::mutex record_mutex;
   std::atomic<uint64_t> closest_hit{0}, shadow{0}, nonfinite{0};
   tbb::parallel_for(
       tbb::blocked_range2d<int>(0, settings.size_px, kTile_px, 0, settings.size_px, kTile_px),
@@ -173,8 +177,15 @@ std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& light
         // Embree is slow on denormals; no radiance that small is visible.
         _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
         _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-        const TileResult tile = scene.cutout ? render_tile<true>(context, view, settings, range, images)
-                                             : render_tile<false>(context, view, settings, range, images);
+        std::vector<RecordedRay> recorded;
+        std::vector<RecordedRay>* record = statistics && statistics->record ? &recorded : nullptr;
+        const TileResult tile = scene.cutout
+                                    ? render_tile<true>(context, view, settings, range, images, record)
+                                    : render_tile<false>(context, view, settings, range, images, record);
+        if (record) {
+          const std::lock_guard<std::mutex> lock(record_mutex);
+          statistics->record->insert(statistics->record->end(), recorded.begin(), recorded.end());
+        }
         closest_hit += tile.rays.closest_hit;
         shadow += tile.rays.shadow;
         nonfinite += tile.nonfinite;

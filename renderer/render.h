@@ -32,6 +32,14 @@ struct RenderSettings {
   bool first_sample_at_centre = false;
 };
 
+/// One query of a bounding volume hierarchy, for benchmarks that repeat it with bare Embree.
+struct RecordedRay {
+  Vec3f origin, direction;
+  float t_near, t_far;
+  bool is_shadow;  // any hit will do
+  bool is_cutout;  // against the cut-out triangles, else the opaque ones
+};
+
 /// What one call did, for reports.
 struct RenderStatistics {
   uint64_t paths = 0;
@@ -39,6 +47,7 @@ struct RenderStatistics {
   uint64_t shadow_rays = 0;
   uint64_t nonfinite = 0;  // contributions that were NaN or infinite and left out
   double seconds = 0;
+  std::vector<RecordedRay>* record = nullptr;  // if set, receives every query, tile by tile
 };
 
 /// Geometry, texels and bounding volume hierarchies of a model, built once for all views.

@@ -57,11 +57,11 @@ inline double integrate(const std::function<double(double, double)>& f, double x
   const double whole = rule(x0, x1, y0, y1);
   const double parts =
       rule(x0, xm, y0, ym) + rule(xm, x1, y0, ym) + rule(x0, xm, ym, y1) + rule(xm, x1, ym, y1);
-  if (depth == 0 || (depth < 10 && std::fabs(whole - parts) < tolerance)) return parts;
-  return integrate(f, x0, xm, y0, ym, tolerance / 4, depth - 1) +
-         integrate(f, xm, x1, y0, ym, tolerance / 4, depth - 1) +
-         integrate(f, x0, xm, ym, y1, tolerance / 4, depth - 1) +
-         integrate(f, xm, x1, ym, y1, tolerance / 4, depth - 1);
+  if (depth == 0 || (std::fabs(whole - parts) < tolerance)) return parts;
+  return integrate(f, x0, xm, y0, ym, tolerance, depth - 1) +
+         integrate(f, xm, x1, y0, ym, tolerance, depth - 1) +
+         integrate(f, x0, xm, ym, y1, tolerance, depth - 1) +
+         integrate(f, xm, x1, ym, y1, tolerance, depth - 1);
 }
 
 /// Draws `count` directions and compares a histogram over (cos theta, phi) with the integral of the pdf.
@@ -70,7 +70,7 @@ inline double integrate(const std::function<double(double, double)>& f, double x
 inline double chi_squared_p_value(const std::function<bool(Random&, Vec3f&)>& sample,
                                   const std::function<double(Vec3f)>& pdf, int count, uint64_t seed,
                                   double* integral = nullptr) {
-  constexpr int kTheta = 40, kPhi = 80, kDepth = 10;
+  constexpr int kTheta = 20, kPhi = 40, kDepth = 11;
   std::vector<double> expected(kTheta * kPhi, 0.0), observed(kTheta * kPhi, 0.0);
   const auto direction = [](double z, double phi) {
     const double r = std::sqrt(std::max(0.0, 1 - z * z));
@@ -82,7 +82,7 @@ inline double chi_squared_p_value(const std::function<bool(Random&, Vec3f&)>& sa
     for (int j = 0; j < kPhi; ++j) {
       expected[i * kPhi + j] = integrate([&](double z, double phi) { return pdf(direction(z, phi)); },
                                          -1 + 2.0 * i / kTheta, -1 + 2.0 * (i + 1) / kTheta,
-                                         2 * M_PI * j / kPhi, 2 * M_PI * (j + 1) / kPhi, 2e-6, kDepth);
+                                         2 * M_PI * j / kPhi, 2 * M_PI * (j + 1) / kPhi, 5e-7, kDepth);
       total += expected[i * kPhi + j];
     }
   if (integral) *integral = total;

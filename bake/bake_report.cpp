@@ -1,0 +1,103 @@
+#include "bake/bake_report.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+namespace ohb {
+namespace {
+
+double share(double part, double whole) {
+  return whole > 0 ? part / whole : 0;
+}
+
+}  // namespace
+
+std::vector<std::string> warnings_of(const BakeReport& report) {
+  std::vector<std::string> warnings;
+  for (const SetReport& set : report.sets) {
+    const auto warn = [&](const std::string& text) { warnings.push_back("set '" + set.name + "': " + text); };
+    const double overlap = share(double(set.overlapping_texels), double(set.centre_texels));
+    if (overlap > kMaxOverlapShare)
+      warn(fmt::format(
+          "{:.1f} % of its texels show more than one face and {} triangles lie wholly under others "
+          "(overlapping "
+          "UVs): class and displacement are those of the first face; unwrap again where that matters",
+          100 * overlap, set.hidden_triangles));
+    const double lost = share(set.area_without_texel_cm2, set.area_cm2);
+    if (lost > kMaxTexelLessAreaShare)
+      warn(
+          fmt::format("{:.2f} % of its area is of {} triangles so small that they have no texel of their "
+                      "own; bake with a larger --size",
+                      100 * lost, set.triangles_without_texel));
+    if (set.triangles_without_uv_area > 0)
+      warn(fmt::format("{} triangles have an area but none in UV: each shows one line of texels; unwrap them",
+                       set.triangles_without_uv_area));
+    if (set.uvs_outside > 0)
+      warn(fmt::format("{} corners have UVs outside [0,1]; the picture is repeated there", set.uvs_outside));
+    if (set.zero_length_normals > 0)
+      warn(fmt::format("{} pixels of {} hold no direction and became flat", set.zero_length_normals,
+                       set.normal));
+    if (set.centre_texels == 0)
+      warn("no face covers the centre of any texel; bake with a larger --size or unwrap again");
+  }
+  return warnings;
+}
+
+nlohmann::ordered_json to_json(const BakeReport& report) {
+  nlohmann::ordered_json json;
+  json["scan"] = report.scan;
+  json["scan_sha256"] = report.scan_sha256;
+  json["unit_cm"] = report.unit_cm;
+  json["shift_cm"] = report.shift_cm;
+  json["size_cm"] = report.size_cm;
+  json["triangles"] = report.triangles;
+  json["positions"] = report.positions;
+  json["limits"] = {{"overlap_share", kMaxOverlapShare},
+                    {"area_without_texel_share", kMaxTexelLessAreaShare}};
+  json["sets"] = nlohmann::ordered_json::array();
+  for (const SetReport& set : report.sets)
+    json["sets"].push_back({{"name", set.name},
+                            {"folder", set.folder},
+                            {"width_px", set.width_px},
+                            {"height_px", set.height_px},
+                            {"triangles", set.triangles},
+                            {"centre_texels", set.centre_texels},
+                            {"footprint_texels", set.footprint_texels},
+                            {"padded_texels", set.padded_texels},
+                            {"overlapping_texels", set.overlapping_texels},
+                            {"hidden_triangles", set.hidden_triangles},
+                            {"triangles_without_texel", set.triangles_without_texel},
+                            {"faces_without_texel", set.faces_without_texel},
+                            {"triangles_without_uv_area", set.triangles_without_uv_area},
+                            {"uvs_outside", set.uvs_outside},
+                            {"area_cm2", set.area_cm2},
+                            {"mirrored_area_cm2", set.mirrored_area_cm2},
+                            {"area_without_texel_cm2", set.area_without_texel_cm2},
+                            {"diffuse", set.diffuse},
+                            {"alpha", set.alpha},
+                            {"normal", set.normal},
+                            {"normal_green_is_down", set.is_normal_green_down},
+                            {"zero_length_normals", set.zero_length_normals}});
+  json["warnings"] = warnings_of(report);
+  return json;
+}
+
+std::string to_text(const BakeReport& report) {
+  std::string text = fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} cm, {} texture set{}\n",
+                                 report.scan, report.triangles, report.size_cm[0], report.size_cm[1],
+                                 report.size_cm[2], report.sets.size(), report.sets.size() == 1 ? "" : "s");
+  for (const SetReport& set : report.sets) {
+    const double texels = double(set.width_px) * set.height_px;
+    text += fmt::format(
+        "  {:<16} {} x {}: {:.1f} % covered, {:.1f} % at borders, {:.1f} % padded, {:.2f} % overlapping, "
+        "{} triangles without a texel\n",
+        set.name, set.width_px, set.height_px, 100 * double(set.centre_texels) / texels,
+        100 * double(set.footprint_texels) / texels, 100 * double(set.padded_texels) / texels,
+        100 * share(double(set.overlapping_texels), double(set.centre_texels)), set.triangles_without_texel);
+  }
+  for (const std::string& warning : warnings_of(report)) text += "warning: " + warning + "\n";
+  return text;
+}
+
+}  // namespace ohb

@@ -1,0 +1,55 @@
+// What a bake did and how well the maps cover the mesh.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace ohb {
+
+/// One texture set. Areas are of the mesh, in square centimetres.
+struct SetReport {
+  std::string name, folder;
+  int width_px = 0, height_px = 0;
+  uint64_t triangles = 0;
+  uint64_t centre_texels = 0;                 // whose centre lies in a triangle
+  uint64_t footprint_texels = 0;              // read by bilinear lookups at the charts' borders
+  uint64_t padded_texels = 0;                 // background, filled so that mips are safe
+  uint64_t overlapping_texels = 0;            // whose centre lies in more than one triangle
+  uint64_t hidden_triangles = 0;              // with an area, but other triangles lie over all of it in UV
+  uint64_t triangles_without_texel = 0;       // with an area, but smaller than a texel amid others
+  std::vector<uint32_t> faces_without_texel;  // their source faces, the first kListedFaces
+  uint64_t triangles_without_uv_area = 0;
+  uint64_t uvs_outside = 0;  // corners beyond [0,1]: the map repeats
+  double area_cm2 = 0, mirrored_area_cm2 = 0, area_without_texel_cm2 = 0;
+  std::string diffuse, alpha, normal;  // file names of the pictures, "" without
+  bool is_normal_green_down = false;   // DirectX convention, turned over
+  uint64_t zero_length_normals = 0;
+};
+
+struct BakeReport {
+  static constexpr size_t kListedFaces = 100;
+  std::string scan, scan_sha256;
+  double unit_cm = 1;
+  double shift_cm[3] = {0, 0, 0};
+  double size_cm[3] = {0, 0, 0};  // bounding box
+  uint64_t triangles = 0, positions = 0;
+  std::vector<SetReport> sets;
+};
+
+/// Limits above which the maps are likely not what the user wants.
+constexpr double kMaxOverlapShare = 0.001;        // of the texels whose centre is covered
+constexpr double kMaxTexelLessAreaShare = 0.001;  // of a set's area
+
+/// One line each for what exceeds a limit, with the mend. Empty if all is well.
+std::vector<std::string> warnings_of(const BakeReport& report);
+
+/// For report.json and --json.
+nlohmann::ordered_json to_json(const BakeReport& report);
+
+/// For people: one line a set and the warnings.
+std::string to_text(const BakeReport& report);
+
+}  // namespace ohb

@@ -1,0 +1,84 @@
+#include "bake/padding.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "dataset/model/vec.h"
+
+namespace ohb {
+namespace {
+
+/// One level of the pyramid: values that are averages over what was covered, and whether anything was.
+struct Level {
+  Image image;
+  std::vector<uint8_t> is_covered;
+};
+
+/// Each texel is the average of the covered ones of its 2 x 2 block (smaller at odd borders).
+Level half_of(const Image& image, const std::vector<uint8_t>& is_covered) {
+  const int channels = image.channels;
+  Level half{Image((image.width_px + 1) / 2, (image.height_px + 1) / 2, channels), {}};
+  half.is_covered.assign(static_cast<size_t>(half.image.width_px) * half.image.height_px, 0);
+  tbb::parallel_for(0, half.image.height_px, [&](int y) {
+    for (int x = 0; x < half.image.width_px; ++x) {
+      float* const out = half.image.pixel(x, y);
+      int count = 0;
+      for (int sy = 2 * y; sy < std::min(2 * y + 2, image.height_px); ++sy)
+        for (int sx = 2 * x; sx < std::min(2 * x + 2, image.width_px); ++sx) {
+          if (!is_covered[static_cast<size_t>(sy) * image.width_px + sx]) continue;
+          ++count;
+          for (int c = 0; c < channels; ++c) out[c] += image.pixel(sx, sy)[c];
+        }
+      if (count == 0) continue;
+      for (int c = 0; c < channels; ++c) out[c] /= static_cast<float>(count);
+      half.is_covered[static_cast<size_t>(y) * half.image.width_px + x] = 1;
+    }
+  });
+  return half;
+}
+
+/// Fills the holes of `image` from the complete image of half its size, bilinearly (weights 9, 3, 3, 1).
+void fill_from_half(Image& image, const std::vector<uint8_t>& is_covered, const Image& half) {
+  tbb::parallel_for(0, image.height_px, [&](int y) {
+    const int y0 = y / 2, y1 = std::clamp(y0 + (y % 2 ? 1 : -1), 0, half.height_px - 1);
+    for (int x = 0; x < image.width_px; ++x) {
+      if (is_covered[static_cast<size_t>(y) * image.width_px + x]) continue;
+      const int x0 = x / 2, x1 = std::clamp(x0 + (x % 2 ? 1 : -1), 0, half.width_px - 1);
+      for (int c = 0; c < image.channels; ++c)
+        image.pixel(x, y)[c] = 0.5625f * half.pixel(x0, y0)[c] + 0.1875f * half.pixel(x1, y0)[c] +
+                               0.1875f * half.pixel(x0, y1)[c] + 0.0625f * half.pixel(x1, y1)[c];
+    }
+  });
+}
+
+}  // namespace
+
+void pad(Image& image, const std::vector<uint8_t>& is_covered) {
+  if (std::all_of(is_covered.begin(), is_covered.end(), [](uint8_t covered) { return covered != 0; })) return;
+  if (image.width_px == 1 && image.height_px == 1) {
+    std::fill(image.values.begin(), image.values.end(), 0.0f);
+    return;
+  }
+  Level half = half_of(image, is_covered);
+  pad(half.image, half.is_covered);
+  fill_from_half(image, is_covered, half.image);
+}
+
+void pad_normals(Image& image, const std::vector<uint8_t>& is_covered) {
+  pad(image, is_covered);
+  tbb::parallel_for(0, image.height_px, [&](int y) {
+    for (int x = 0; x < image.width_px; ++x) {
+      if (is_covered[static_cast<size_t>(y) * image.width_px + x]) continue;
+      float* const n = image.pixel(x, y);
+      const Vec3f unit = normalised({n[0], n[1], n[2]});
+      const bool is_usable = dot(unit, unit) > 0.5f;
+      n[0] = is_usable ? unit.x : 0;
+      n[1] = is_usable ? unit.y : 0;
+      n[2] = is_usable ? unit.z : 1;
+    }
+  });
+}
+
+}  // namespace ohb

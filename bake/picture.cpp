@@ -1,0 +1,176 @@
+#include "bake/picture.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "dataset/model/colour.h"
+#include "dataset/model/error.h"
+
+namespace ohb {
+namespace {
+
+Image read_finite(const ScanPicture& picture, ImageFileInfo& info) {
+  Image image = read_image(picture, &info);
+  for (size_t i = 0; i < image.values.size(); ++i)
+    if (!std::isfinite(image.values[i])) {
+      const size_t pixel = i / image.channels, width = image.width_px;
+      throw InputError(picture.file.string(),
+                       "pixel (" + std::to_string(pixel % width) + ", " + std::to_string(pixel / width) + ")",
+                       "is not a finite number", "export the picture again");
+    }
+  return image;
+}
+
+/// The linear value of each 16-bit code; 8-bit codes are multiples of 257.
+std::vector<float> srgb_table() {
+  std::vector<float> table(65536);
+  for (int code = 0; code < 65536; ++code) table[code] = srgb_to_linear(static_cast<float>(code) / 65535.0f);
+  return table;
+}
+
+/// The pixels that a texel reads along one axis.
+struct Taps {
+  int first;                   // may lie outside the picture: it repeats
+  std::vector<float> weights;  // sum 1
+};
+
+std::vector<Taps> taps_along(int picture_px, int map_px) {
+  std::vector<Taps> taps(map_px);
+  for (int i = 0; i < map_px; ++i) {
+    if (picture_px == map_px) {
+      taps[i] = {i, {1.0f}};
+      continue;
+    }
+    const double scale = static_cast<double>(picture_px) / map_px;
+    if (picture_px > map_px) {
+      const double low = i * scale, high = (i + 1) * scale;
+      Taps& tap = taps[i];
+      tap.first = static_cast<int>(std::floor(low));
+      for (int j = tap.first; j < high; ++j) {
+        const double part = std::min<double>(high, j + 1) - std::max<double>(low, j);
+        if (part > 1e-9) tap.weights.push_back(static_cast<float>(part / scale));
+      }
+    } else {
+      const double centre = (i + 0.5) * scale - 0.5, whole = std::floor(centre);
+      const float next = static_cast<float>(centre - whole);
+      taps[i] = {static_cast<int>(whole), {1 - next, next}};
+    }
+  }
+  return taps;
+}
+
+int repeated(int i, int size) {
+  const int rest = i % size;
+  return rest < 0 ? rest + size : rest;
+}
+
+/// Weighted sum of the picture over the two axes' taps; gives the sum of the weights.
+float accumulate(const Image& picture, const Image* pixel_weights, const Taps& column, const Taps& row,
+                 float* out) {
+  float total = 0;
+  std::fill(out, out + picture.channels, 0.0f);
+  for (size_t j = 0; j < row.weights.size(); ++j) {
+    const int y = repeated(row.first + static_cast<int>(j), picture.height_px);
+    for (size_t i = 0; i < column.weights.size(); ++i) {
+      const int x = repeated(column.first + static_cast<int>(i), picture.width_px);
+      float weight = row.weights[j] * column.weights[i];
+      if (pixel_weights) weight *= pixel_weights->pixel(x, y)[0];
+      if (weight == 0) continue;
+      const float* const pixel = picture.pixel(x, y);
+      for (int c = 0; c < picture.channels; ++c) out[c] += weight * pixel[c];
+      total += weight;
+    }
+  }
+  return total;
+}
+
+}  // namespace
+
+Image read_colour_picture(const ScanPicture& picture) {
+  ImageFileInfo info;
+  const Image stored = read_finite(picture, info);
+  static const std::vector<float> table = srgb_table();
+  Image colour(stored.width_px, stored.height_px, 3);
+  tbb::parallel_for(0, colour.height_px, [&](int y) {
+    for (int x = 0; x < colour.width_px; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const float value = stored.pixel(x, y)[stored.channels >= 3 ? c : 0];
+        colour.pixel(x, y)[c] =
+            info.is_float ? std::max(value, 0.0f)
+                          : table[static_cast<size_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 65535))];
+      }
+  });
+  return colour;
+}
+
+Image read_alpha_picture(const ScanPicture& picture) {
+  ImageFileInfo info;
+  const Image stored = read_finite(picture, info);
+  const int channel = info.has_alpha ? stored.channels - 1 : 0;
+  Image alpha(stored.width_px, stored.height_px, 1);
+  for (size_t i = 0; i < alpha.values.size(); ++i)
+    alpha.values[i] = std::clamp(stored.values[i * stored.channels + channel], 0.0f, 1.0f);
+  return alpha;
+}
+
+Image read_normal_picture(const ScanPicture& picture, bool green_is_down, uint64_t& zero_length) {
+  ImageFileInfo info;
+  const Image stored = read_finite(picture, info);
+  if (stored.channels < 3)
+    throw InputError(picture.file.string(), "",
+                     "a normal map needs 3 channels, this has " + std::to_string(stored.channels),
+                     "name a tangent-space normal map, or remove it from the material");
+  Image normals(stored.width_px, stored.height_px, 3);
+  for (size_t i = 0; i < normals.values.size(); ++i) {
+    const float value = stored.values[i / 3 * stored.channels + i % 3];
+    const float component = info.is_float ? value : 2 * value - 1;
+    normals.values[i] = i % 3 == 1 && green_is_down ? -component : component;
+  }
+  zero_length = normalise_pixels(normals);
+  return normals;
+}
+
+uint64_t normalise_pixels(Image& image) {
+  // An 8-bit map stores "nothing" as 127 or 128 in each channel: no direction can be read from so short a
+  // vector.
+  constexpr float kShortest = 0.02f;
+  std::atomic<uint64_t> zero_length{0};
+  tbb::parallel_for(0, image.height_px, [&](int y) {
+    uint64_t here = 0;
+    for (int x = 0; x < image.width_px; ++x) {
+      float* const n = image.pixel(x, y);
+      Vec3f unit{0, 0, 1};
+      if (length(Vec3f{n[0], n[1], n[2]}) > kShortest)
+        unit = normalised({n[0], n[1], n[2]});
+      else
+        ++here;
+      n[0] = unit.x;
+      n[1] = unit.y;
+      n[2] = unit.z;
+    }
+    zero_length += here;
+  });
+  return zero_length;
+}
+
+Image resample(Image picture, int width_px, int height_px, const ResampleWeights& weights) {
+  if (picture.width_px == width_px && picture.height_px == height_px) return picture;
+  const std::vector<Taps> columns = taps_along(picture.width_px, width_px);
+  const std::vector<Taps> rows = taps_along(picture.height_px, height_px);
+  const Image* const pixel_weights = weights.pixel_weights.values.empty() ? nullptr : &weights.pixel_weights;
+  Image map(width_px, height_px, picture.channels);
+  tbb::parallel_for(0, height_px, [&](int y) {
+    for (int x = 0; x < width_px; ++x) {
+      float* const out = map.pixel(x, y);
+      float total = accumulate(picture, pixel_weights, columns[x], rows[y], out);
+      if (total < 1e-6f) total = accumulate(picture, nullptr, columns[x], rows[y], out);
+      for (int c = 0; c < map.channels; ++c) out[c] /= total;
+    }
+  });
+  return map;
+}
+
+}  // namespace ohb

@@ -1,0 +1,37 @@
+// A scan's pictures, resampled to the texels of a map.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "dataset/model/image.h"
+#include "dataset/model/scan.h"
+
+namespace ohb {
+
+/// Colours as linear Rec. 709, 3 channels. Integer pictures (PNG, JPEG, TIFF) are taken as sRGB-encoded and
+/// decoded by the piecewise curve (IEC 61966-2-1); float pictures (EXR, HDR) as linear already. One or two
+/// channels are grey. Throws InputError as read_image, and for a NaN or infinite pixel.
+Image read_colour_picture(const ScanPicture& picture);
+
+/// Opacity, 1 channel in [0,1]: the alpha channel if there is one, else red; stored values are linear.
+Image read_alpha_picture(const ScanPicture& picture);
+
+/// Tangent-space normals, 3 channels, unit length, +Y up. Integer pictures are decoded as 2 v - 1, float ones
+/// taken as signed. `green_is_down` (DirectX) negates Y. Normals of no length, or that point below the
+/// surface by encoding errors of exactly (0,0,0), become (0,0,1) and are counted in `zero_length`.
+Image read_normal_picture(const ScanPicture& picture, bool green_is_down, uint64_t& zero_length);
+
+/// How the values of a picture reach a map. Along each axis: where the map has fewer texels than the picture,
+/// the average over the texel's footprint (area-weighted box); where it has more, bilinear interpolation at
+/// the texel's centre; where it has as many, the pixel itself, exactly. Repeats beyond the borders.
+struct ResampleWeights {
+  /// 1 channel, size of the picture, >= 0; empty: all 1. Texels whose pixels all weigh 0 use equal weights.
+  Image pixel_weights;
+};
+Image resample(Image picture, int width_px, int height_px, const ResampleWeights& weights = {});
+
+/// Makes each pixel of a 3-channel image a unit vector; (0,0,1) where it has no length. Gives their number.
+uint64_t normalise_pixels(Image& image);
+
+}  // namespace ohb

@@ -1,0 +1,30 @@
+# Shared by ./demo and ./test: says what it does, installs packages, builds a preset.
+# shellcheck shell=bash
+
+say() { printf '\n== %s\n' "$*"; }
+
+# install_packages [TAG]: the lines of packages.txt without a tag, and those with this one.
+install_packages() {
+  local wanted missing=() package
+  wanted=$(sed 's/^#.*//' packages.txt | awk -v tag="[${1:-}]" 'NF == 1 || $2 == tag { print $1 }')
+  for package in $wanted; do
+    [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+  done
+  [ ${#missing[@]} -eq 0 ] && return 0
+  say "installing ${#missing[@]} Debian packages: ${missing[*]}"
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo >/dev/null; then
+      echo "These packages are missing and this is not root: run 'apt-get install ${missing[*]}' as root first." >&2
+      exit 2
+    fi
+    as_root=(sudo)
+  fi
+  "${as_root[@]}" apt-get update -q >/dev/null
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+build_preset() {
+  cmake --preset "$1" >/dev/null
+  cmake --build --preset "$1" -j "$(nproc)" -- --quiet
+}

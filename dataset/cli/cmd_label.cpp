@@ -1,0 +1,58 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "dataset/cli/commands.h"
+#include "dataset/production/label.h"
+
+namespace ohb {
+namespace {
+
+struct Options {
+  std::string scan, rules, faces, truth, unit, output;
+  std::vector<std::string> classes;
+};
+
+int run_label(const Options& options, const CommonOptions& common) {
+  LabelJob job;
+  job.scan = options.scan;
+  job.rules = options.rules;
+  job.faces = options.faces;
+  job.truth = options.truth;
+  job.classes = options.classes;
+  job.output = options.output;
+  const LabelReport report = label_scan(job);
+  std::printf("%s", common.json ? (to_json(report).dump(2) + "\n").c_str() : to_text(report).c_str());
+  return 0;
+}
+
+}  // namespace
+
+void add_label_command(CLI::App& app, Commands& commands) {
+  CLI::App* command =
+      app.add_subcommand("label", "Skin, hair, fabric or leather: the class of each face of a scan");
+  auto options = std::make_shared<Options>();
+  command->add_option("SCAN", options->scan, "mesh: OBJ, GLB or FBX")->required();
+  command->add_option("--rules", options->rules, "rules.xml: classes by names, UV place and colour");
+  command->add_option("--faces", options->faces,
+                      "finished classes: one index a line, in the order of the faces");
+  command
+      ->add_option("--classes", options->classes,
+                   "what the indices mean (default: the JSON beside the file, else skin,hair,fabric,leather)")
+      ->delimiter(',');
+  command->add_option("--truth", options->truth, "known classes, as --faces: prints accuracy and IoU");
+  command->add_option("--unit", options->unit, "unit of the scan: mm, cm, m or inch (default: guessed)");
+  command->add_option("-o,--output", options->output, "folder for the regions")->required();
+  add_common_options(*command, commands.common);
+  command->footer(
+      "Examples:\n"
+      "  openhumanbrdf label person.obj --rules rules.xml -o regions\n"
+      "  openhumanbrdf label person.obj --faces person.labels.txt --classes skin,hair,fabric,leather -o "
+      "regions\n"
+      "Without --rules and --faces the names of materials and groups decide.");
+  command->callback([options, &commands] {
+    commands.run = [options, &commands] { return run_label(*options, commands.common); };
+  });
+}
+
+}  // namespace ohb

@@ -1,0 +1,25 @@
+// The bake command's work: files in, MODEL folder out.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "bake/bake.h"
+
+namespace ohb {
+
+struct BakeJob {
+  std::filesystem::path scan, regions;
+  std::filesystem::path materials;  // empty: assets/materials.xml
+  std::string unit;                 // as --unit; empty: guessed
+  std::string name;                 // empty: the scan's file name without extension
+  int size_px = 0;                  // BakeOptions::size_px
+  std::filesystem::path output;     // MODEL folder, written whole or not at all
+  bool quiet = false;
+};
+
+/// Throws InputError: files missing or malformed, regions of another scan, unit not known, and as
+/// bake_to_folder; TryAgainError for a full disk.
+BakeReport bake_scan(const BakeJob& job);
+
+}  // namespace ohb

@@ -1,0 +1,229 @@
+#include "dataset/production/label_rules.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <sstream>
+
+#include "dataset/model/colour.h"
+#include "dataset/model/text_lines.h"
+#include "dataset/model/xml_document.h"
+
+namespace ohb {
+namespace {
+
+/// "1,2 3,4" as numbers, `per_point` of them a point. Throws InputError.
+std::vector<float> read_points(const XmlDocument& xml, pugi::xml_node node, const char* attribute,
+                               size_t per_point) {
+  std::string text = xml.text(node, attribute);
+  std::replace(text.begin(), text.end(), ',', ' ');
+  std::vector<float> numbers;
+  std::string_view rest = text;
+  for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
+    float number = 0;
+    if (!parse_float(word, number) || !std::isfinite(number))
+      throw xml.error(node, std::string(attribute) + ": \"" + std::string(word) + "\" is no number",
+                      "write numbers, for example 0.1,0.2 0.5,0.2 0.5,0.9");
+    numbers.push_back(number);
+  }
+  if (numbers.empty() || numbers.size() % per_point != 0)
+    throw xml.error(node, std::string(attribute) + " has " + std::to_string(numbers.size()) + " numbers",
+                    "write " + std::to_string(per_point) + " a point");
+  return numbers;
+}
+
+std::vector<Vec2f> read_polygon(const XmlDocument& xml, pugi::xml_node node) {
+  const std::vector<float> numbers = read_points(xml, node, "uv_polygon", 2);
+  std::vector<Vec2f> polygon;
+  for (size_t i = 0; i < numbers.size(); i += 2) polygon.push_back({numbers[i], numbers[i + 1]});
+  if (polygon.size() < 3)
+    throw xml.error(node, "uv_polygon has " + std::to_string(polygon.size()) + " points",
+                    "give three or more");
+  return polygon;
+}
+
+Vec3f read_colour(const XmlDocument& xml, pugi::xml_node node, const char* attribute) {
+  const std::vector<float> numbers = read_points(xml, node, attribute, 3);
+  if (numbers.size() != 3)
+    throw xml.error(node, std::string(attribute) + " is not one colour", "give 3 numbers");
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+ColourRange read_colour_range(const XmlDocument& xml, pugi::xml_node node) {
+  const std::string space = xml.text(node, "colour_space");
+  if (space != "srgb" && space != "lab")
+    throw xml.error(node, "colour_space=\"" + space + "\" is not known", "use srgb or lab");
+  const ColourRange range{space == "lab" ? ColourSpace::kLab : ColourSpace::kSrgb,
+                          read_colour(xml, node, "colour_low"), read_colour(xml, node, "colour_high")};
+  for (int i = 0; i < 3; ++i)
+    if (range.low[i] > range.high[i])
+      throw xml.error(node, "colour_low exceeds colour_high: no colour is in the range", "exchange them");
+  return range;
+}
+
+MaterialClass read_class(const XmlDocument& xml, pugi::xml_node node, const char* attribute) {
+  const std::string name = xml.text(node, attribute);
+  const MaterialClass material_class = class_from_name(name);
+  if (material_class == kUnlabelled)
+    throw xml.error(node, std::string(attribute) + "=\"" + name + "\" is no class",
+                    "use skin, hair, fabric or leather");
+  return material_class;
+}
+
+LabelRule read_rule(const XmlDocument& xml, pugi::xml_node node) {
+  xml.expect_attributes(node, {"class", "name", "material", "group", "uv_polygon", "colour_space",
+                               "colour_low", "colour_high"});
+  LabelRule rule;
+  rule.material_class = read_class(xml, node, "class");
+  rule.name = xml.text_or(node, "name", "");
+  rule.material = xml.text_or(node, "material", "");
+  rule.group = xml.text_or(node, "group", "");
+  if (node.attribute("uv_polygon")) rule.uv_polygon = read_polygon(xml, node);
+  if (node.attribute("colour_space") || node.attribute("colour_low") || node.attribute("colour_high"))
+    rule.colour = read_colour_range(xml, node);
+  if (rule.name.empty() && rule.material.empty() && rule.group.empty() && rule.uv_polygon.empty() &&
+      !rule.colour)
+    throw xml.error(node, "the rule has no condition",
+                    "give name, material, group, uv_polygon or colour_..., or the default of <rules>");
+  for (const pugi::xml_attribute& attribute : node.attributes())
+    rule.text +=
+        (rule.text.empty() ? "" : " ") + std::string(attribute.name()) + "=\"" + attribute.value() + "\"";
+  return rule;
+}
+
+bool contains(const std::vector<Vec2f>& polygon, Vec2f p) {
+  bool is_inside = false;
+  for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Vec2f a = polygon[i], b = polygon[j];
+    if ((a.y > p.y) == (b.y > p.y)) continue;
+    if (p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y)) is_inside = !is_inside;
+  }
+  return is_inside;
+}
+
+std::optional<Vec2f> mean_uv(const Scan& scan, size_t face) {
+  Vec2f sum;
+  for (uint32_t c = scan.face_begin[face]; c < scan.face_begin[face + 1]; ++c) {
+    if (scan.corners[c].uv == Corner::kNoUv) return std::nullopt;
+    sum = sum + scan.uvs[scan.corners[c].uv];
+  }
+  return sum * (1.0f / static_cast<float>(scan.face_begin[face + 1] - scan.face_begin[face]));
+}
+
+bool is_in_range(const ColourRange& range, Vec3f linear) {
+  const Vec3f colour =
+      range.space == ColourSpace::kLab
+          ? linear_to_lab(linear)
+          : Vec3f{linear_to_srgb(linear.x), linear_to_srgb(linear.y), linear_to_srgb(linear.z)};
+  for (int i = 0; i < 3; ++i)
+    if (colour[i] < range.low[i] || colour[i] > range.high[i]) return false;
+  return true;
+}
+
+/// The answers of a rule's globs for each name, so that none is matched once a face.
+std::vector<bool> matches_of(const std::string& glob, const std::vector<std::string>& names) {
+  std::vector<bool> matches;
+  for (const std::string& name : names) matches.push_back(glob.empty() || matches_glob(glob, name));
+  return matches;
+}
+
+/// One alternative, both texts in lower case. The last * is retried ever further on.
+bool matches_one(std::string_view glob, std::string_view text) {
+  size_t g = 0, t = 0, star = std::string_view::npos, star_text = 0;
+  while (t < text.size()) {
+    if (g < glob.size() && glob[g] == '*') {
+      star = g++;
+      star_text = t;
+    } else if (g < glob.size() && (glob[g] == '?' || glob[g] == text[t])) {
+      ++g;
+      ++t;
+    } else if (star != std::string_view::npos) {
+      g = star + 1;
+      t = ++star_text;
+    } else {
+      return false;
+    }
+  }
+  while (g < glob.size() && glob[g] == '*') ++g;
+  return g == glob.size();
+}
+
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+}  // namespace
+
+bool LabelRules::use_colour() const {
+  return std::any_of(rules.begin(), rules.end(),
+                     [](const LabelRule& rule) { return rule.colour.has_value(); });
+}
+
+bool matches_glob(const std::string& glob, const std::string& text) {
+  std::stringstream alternatives(lower_case(glob));
+  const std::string lower_text = lower_case(text);
+  for (std::string alternative; std::getline(alternatives, alternative, '|');)
+    if (matches_one(alternative, lower_text)) return true;
+  return false;
+}
+
+Vec3f linear_to_lab(Vec3f c) {
+  const double white[3] = {0.95047, 1.0, 1.08883};
+  const double xyz[3] = {0.4124564 * c.x + 0.3575761 * c.y + 0.1804375 * c.z,
+                         0.2126729 * c.x + 0.7151522 * c.y + 0.0721750 * c.z,
+                         0.0193339 * c.x + 0.1191920 * c.y + 0.9503041 * c.z};
+  double f[3];
+  for (int i = 0; i < 3; ++i) {
+    const double t = xyz[i] / white[i], delta = 6.0 / 29;
+    f[i] = t > delta * delta * delta ? std::cbrt(t) : t / (3 * delta * delta) + 4.0 / 29;
+  }
+  return {static_cast<float>(116 * f[1] - 16), static_cast<float>(500 * (f[0] - f[1])),
+          static_cast<float>(200 * (f[1] - f[2]))};
+}
+
+LabelRules read_label_rules(const std::filesystem::path& file) {
+  const XmlDocument xml(file, "rules");
+  xml.expect_attributes(xml.root(), {"schema", "default"});
+  xml.expect_children(xml.root(), {"rule"});
+  LabelRules rules;
+  if (xml.root().attribute("default")) rules.default_class = read_class(xml, xml.root(), "default");
+  for (const pugi::xml_node& node : xml.root().children("rule")) rules.rules.push_back(read_rule(xml, node));
+  if (rules.rules.empty() && rules.default_class == kUnlabelled)
+    throw xml.error(xml.root(), "there is neither a rule nor a default class",
+                    "add a <rule> or default=\"...\"");
+  return rules;
+}
+
+std::vector<uint8_t> apply_rules(const LabelRules& rules, const Scan& scan,
+                                 const std::vector<Vec3f>& face_colour, RuleOutcome& outcome) {
+  const size_t faces = scan.face_count();
+  std::vector<uint8_t> face_class(faces, rules.default_class);
+  outcome.rule_of_face.assign(faces, -1);
+  outcome.matched.assign(rules.rules.size(), 0);
+  std::vector<std::string> material_names;
+  for (const ScanMaterial& material : scan.materials) material_names.push_back(material.name);
+  for (size_t r = 0; r < rules.rules.size(); ++r) {
+    const LabelRule& rule = rules.rules[r];
+    const std::vector<bool> by_material = matches_of(rule.material, material_names);
+    const std::vector<bool> by_group = matches_of(rule.group, scan.groups);
+    const std::vector<bool> name_of_material = matches_of(rule.name, material_names);
+    const std::vector<bool> name_of_group = matches_of(rule.name, scan.groups);
+    for (size_t f = 0; f < faces; ++f) {
+      const uint16_t material = scan.face_material[f], group = scan.face_group[f];
+      if (!by_material[material] || !by_group[group]) continue;
+      if (!name_of_material[material] && !name_of_group[group]) continue;
+      if (!rule.uv_polygon.empty()) {
+        const std::optional<Vec2f> uv = mean_uv(scan, f);
+        if (!uv || !contains(rule.uv_polygon, *uv)) continue;
+      }
+      if (rule.colour && !is_in_range(*rule.colour, face_colour[f])) continue;
+      face_class[f] = rule.material_class;
+      outcome.rule_of_face[f] = static_cast<int>(r);
+      ++outcome.matched[r];
+    }
+  }
+  return face_class;
+}
+
+}  // namespace ohb

@@ -1,0 +1,95 @@
+// Rays per second of the renderer beside bare Embree's on the very same rays, one thread each.
+// usage: render_bench [MODEL E.exr] [Google Benchmark's options]; without a model: a lumpy ball of 100,000
+// triangles under a constant environment. The ratio of the two `rays` counters is the share of Embree's rate
+// that remains.
+#include <benchmark/benchmark.h>
+#include <pmmintrin.h>
+#include <tbb/global_control.h>
+#include <xmmintrin.h>
+
+#include <cstdio>
+#include <string>
+
+#include "renderer/intersect.h"
+#include "tests/support/test_models.h"
+
+namespace ohb {
+namespace {
+
+struct Workload {
+  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const LightSet> lights;
+  Camera camera;
+  RenderSettings settings;
+  std::vector<RecordedRay> rays;
+};
+
+Workload g_workload;
+
+Model lumpy_ball() {
+  Model model = sphere_model(80, 316, constant_set({}, 512));
+  for (Vec3f& p : model.positions_cm)
+    p = p + 2 * std::sin(0.4f * p.x) * std::sin(0.5f * p.y) * Vec3f{0, 0, 1};
+  return model;
+}
+
+Workload make_workload(const char* model_folder, const char* environment_file) {
+  Workload w;
+  Environment environment;
+  environment.name = "constant";
+  environment.radiance = constant_radiance({1, 1, 1});
+  const Model model = model_folder ? read_model(model_folder) : lumpy_ball();
+  if (environment_file) environment = read_environment(environment_file);
+  w.scene = build_scene(model);
+  w.lights = prepare_lights({environment}, {});
+  w.camera = fit_camera(model.positions_cm);
+  w.settings.size_px = 256;
+  w.settings.spp = 8;
+  RenderStatistics statistics;
+  statistics.record = &w.rays;
+  render_lights(*w.scene, *w.lights, w.camera, 0, w.settings, &statistics);
+  std::printf("%zu triangles, %zu rays recorded\n", model.triangles.size(), w.rays.size());
+  return w;
+}
+
+void bare_embree(benchmark::State& state) {
+  _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+  _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+  for (auto _ : state) {
+    float sum = 0;
+    for (const RecordedRay& ray : g_workload.rays) {
+      RTCScene bvh = ray.is_cutout ? g_workload.scene->cutout : g_workload.scene->opaque;
+      RTCRayHit r = embree_ray({ray.origin, ray.direction}, ray.t_near, ray.t_far);
+      if (ray.is_shadow)
+        occluded_one(bvh, r.ray);
+      else
+        intersect_one(bvh, r);
+      sum += r.ray.tfar > 0 ? 1.0f : 0.0f;
+    }
+    benchmark::DoNotOptimize(sum);
+  }
+  const double rays = static_cast<double>(g_workload.rays.size()) * static_cast<double>(state.iterations());
+  state.counters["rays"] = benchmark::Counter(rays, benchmark::Counter::kIsRate);
+}
+
+void renderer(benchmark::State& state) {
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  for (auto _ : state)
+    benchmark::DoNotOptimize(
+        render_lights(*g_workload.scene, *g_workload.lights, g_workload.camera, 0, g_workload.settings));
+  const double rays = static_cast<double>(g_workload.rays.size()) * static_cast<double>(state.iterations());
+  state.counters["rays"] = benchmark::Counter(rays, benchmark::Counter::kIsRate);
+}
+
+}  // namespace
+}  // namespace ohb
+
+int main(int argc, char** argv) {
+  const bool has_model = argc >= 3 && argv[1][0] != '-';
+  ohb::g_workload = ohb::make_workload(has_model ? argv[1] : nullptr, has_model ? argv[2] : nullptr);
+  benchmark::RegisterBenchmark("bare_embree", ohb::bare_embree)->Unit(benchmark::kMillisecond);
+  benchmark::RegisterBenchmark("renderer", ohb::renderer)->Unit(benchmark::kMillisecond);
+  benchmark::Initialize(&argc, argv);
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
