@@ -1,0 +1,45 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "dataset/cli/commands.h"
+#include "dataset/production/inspect.h"
+
+namespace ohb {
+namespace {
+
+struct Options {
+  std::string scan, unit;
+};
+
+int run_inspect(const Options& options, const CommonOptions& common) {
+  std::optional<std::string> unit;
+  if (!options.unit.empty()) unit = options.unit;
+  const InspectReport report = inspect_scan(read_scan(options.scan), unit);
+  // Names in a scan may be in any encoding; JSON is UTF-8.
+  const std::string text =
+      common.json ? inspect_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"
+                  : inspect_text(report);
+  std::fputs(text.c_str(), stdout);
+  return 0;
+}
+
+}  // namespace
+
+void add_inspect_command(CLI::App& app, Commands& commands) {
+  CLI::App* command =
+      app.add_subcommand("inspect", "What a scan is, and what is wrong with it and how to mend it");
+  auto options = std::make_shared<Options>();
+  command->add_option("SCAN", options->scan, ".obj, .glb, .gltf or .fbx")->required();
+  command->add_option("--unit", options->unit, "mm, cm, m or inch: the unit of the file's numbers");
+  add_common_options(*command, commands.common);
+  command->footer(
+      "Examples:\n"
+      "  openhumanbrdf inspect person.obj\n"
+      "  openhumanbrdf inspect bust.glb --unit m --json");
+  command->callback([options, &commands] {
+    commands.run = [options, &commands] { return run_inspect(*options, commands.common); };
+  });
+}
+
+}  // namespace ohb

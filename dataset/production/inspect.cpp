@@ -1,0 +1,175 @@
+#include "dataset/production/inspect.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "dataset/model/mesh_topology.h"
+#include "dataset/production/inspect_warnings.h"
+
+namespace ohb {
+namespace {
+
+/// Faces with less area than the square of this share of the diagonal have none.
+constexpr double kZeroLength = 1e-6;
+constexpr double kSmallComponent = 1e-3;
+constexpr float kOpaque = 0.999f;
+
+double area_of(const Scan& scan, const ScanTriangle& triangle) {
+  double p[3][3];
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) p[i][k] = scan.positions[scan.corners[triangle.corner[i]].position][k];
+  double a[3], b[3];
+  for (int k = 0; k < 3; ++k) {
+    a[k] = p[1][k] - p[0][k];
+    b[k] = p[2][k] - p[0][k];
+  }
+  return 0.5 * std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
+}
+
+void count_elements(const Scan& scan, const std::vector<ScanTriangle>& triangles, InspectReport& report) {
+  report.vertices = scan.positions.size();
+  report.uvs = scan.uvs.size();
+  report.faces = scan.face_count();
+  report.triangles = triangles.size();
+  for (size_t f = 0; f < scan.face_count(); ++f) {
+    const uint32_t corners = scan.face_begin[f + 1] - scan.face_begin[f];
+    ++(corners == 3 ? report.triangle_faces : corners == 4 ? report.quad_faces : report.larger_faces);
+  }
+}
+
+void count_bad_faces(const Scan& scan, const MeshTopology& topology, const std::vector<double>& face_area,
+                     InspectReport& report) {
+  const Bounds& b = report.bounds;
+  const double diagonal =
+      std::hypot(static_cast<double>(b.high.x) - b.low.x, static_cast<double>(b.high.y) - b.low.y,
+                 static_cast<double>(b.high.z) - b.low.z);
+  std::vector<std::vector<uint32_t>> faces(scan.face_count());
+  for (size_t f = 0; f < faces.size(); ++f) {
+    for (uint32_t c = scan.face_begin[f]; c < scan.face_begin[f + 1]; ++c)
+      faces[f].push_back(topology.point_of_position[scan.corners[c].position]);
+    std::sort(faces[f].begin(), faces[f].end());
+    report.repeated_vertex_faces += std::adjacent_find(faces[f].begin(), faces[f].end()) != faces[f].end();
+    report.zero_area_faces += face_area[f] <= kZeroLength * kZeroLength * diagonal * diagonal;
+  }
+  std::sort(faces.begin(), faces.end());
+  for (size_t f = 1; f < faces.size(); ++f) report.duplicate_faces += faces[f] == faces[f - 1];
+}
+
+void count_edges(const MeshTopology& topology, InspectReport& report) {
+  DisjointSets loops(topology.point_count);
+  std::vector<bool> on_border(topology.point_count, false);
+  for (const MeshEdge& edge : topology.edges) {
+    if (edge.use_count == 1) {
+      ++report.border_edges;
+      loops.join(edge.point[0], edge.point[1]);
+      on_border[edge.point[0]] = on_border[edge.point[1]] = true;
+    } else if (edge.use_count > 2) {
+      ++report.non_manifold_edges;
+    } else if (topology.uses[edge.first_use].forward == topology.uses[edge.first_use + 1].forward) {
+      ++report.inconsistent_edges;
+    }
+  }
+  for (uint32_t p = 0; p < topology.point_count; ++p) report.holes += on_border[p] && loops.find(p) == p;
+  report.points = topology.point_count;
+  for (uint32_t point : topology.point_of_position) report.unused_vertices += point == MeshTopology::kNoPoint;
+}
+
+void count_components(const MeshTopology& topology, const std::vector<double>& face_area,
+                      InspectReport& report) {
+  std::vector<double> area(topology.component_count, 0);
+  double total = 0;
+  for (size_t f = 0; f < face_area.size(); ++f) {
+    area[topology.component_of_face[f]] += face_area[f];
+    total += face_area[f];
+  }
+  report.components = topology.component_count;
+  for (double a : area) report.small_components += a < kSmallComponent * total;
+}
+
+/// Share of the texels under the material's faces whose alpha is below 1.
+double transparent_share(const Image& image, const UvRaster& raster) {
+  size_t transparent = 0;
+  if (raster.face.empty() || raster.covered == 0) return 0;
+  for (size_t i = 0; i < raster.face.size(); ++i)
+    if (raster.face[i] != kNoFace)
+      transparent += image.values[(i + 1) * static_cast<size_t>(image.channels) - 1] < kOpaque;
+  return static_cast<double>(transparent) / static_cast<double>(raster.covered);
+}
+
+class MaterialInspector {
+ public:
+  MaterialInspector(const Scan& scan, const std::vector<ScanTriangle>& triangles,
+                    const MeshTopology& topology)
+      : scan_(scan), triangles_(triangles), topology_(topology), chart_of_face_(uv_charts(scan)) {}
+
+  MaterialReport inspect(uint16_t material) {
+    const ScanMaterial& from = scan_.materials[material];
+    MaterialReport report;
+    report.name = from.name;
+    report.uv = measure_uv_layout(scan_, triangles_, topology_, material);
+    for (const auto& [use, picture] : {std::pair<const char*, const ScanPicture&>("diffuse", from.diffuse),
+                                       {"alpha", from.alpha},
+                                       {"normal", from.normal}}) {
+      if (picture.empty()) continue;
+      const bool is_seen = std::string(use) == "alpha" && picture.file == from.diffuse.file;
+      report.pictures.push_back(is_seen ? report.pictures.front() : inspect_picture(material, use, picture));
+      report.pictures.back().use = use;
+    }
+    return report;
+  }
+
+ private:
+  PictureReport inspect_picture(uint16_t material, const std::string& use, const ScanPicture& picture) const {
+    PictureReport report;
+    report.use = use;
+    report.file = picture.file.string();
+    const Image image = read_image(picture, &report.info);
+    const bool needs_raster = use == "normal" || report.info.has_alpha;
+    if (!needs_raster) return report;
+    const UvRaster raster =
+        rasterise_uvs(scan_, triangles_, topology_, material, image.width_px, image.height_px);
+    if (use == "normal") {
+      std::vector<uint32_t> region(static_cast<size_t>(image.width_px) * image.height_px, kNoRegion);
+      for (size_t i = 0; i < raster.face.size(); ++i)
+        if (raster.face[i] != kNoFace) region[i] = chart_of_face_[raster.face[i]];
+      report.convention = detect_normal_convention(image, region);
+    } else {
+      report.transparent_share = transparent_share(image, raster);
+    }
+    return report;
+  }
+
+  const Scan& scan_;
+  const std::vector<ScanTriangle>& triangles_;
+  const MeshTopology& topology_;
+  std::vector<uint32_t> chart_of_face_;
+};
+
+}  // namespace
+
+InspectReport inspect_scan(const Scan& scan, const std::optional<std::string>& unit_option) {
+  InspectReport report;
+  report.file = scan.file.string();
+  report.groups = scan.groups;
+  report.has_file_normals = scan.has_file_normals;
+  report.notes = scan.notes;
+  report.bounds = bounds_of_faces(scan);
+  report.unit = unit_option ? UnitGuess{unit_cm_of(*unit_option), "given by --unit " + *unit_option, ""}
+                            : guess_unit(scan);
+  const std::vector<ScanTriangle> triangles = triangulate(scan);
+  const MeshTopology topology = mesh_topology(scan);
+  std::vector<double> face_area(scan.face_count(), 0);
+  for (const ScanTriangle& triangle : triangles) face_area[triangle.face] += area_of(scan, triangle);
+  count_elements(scan, triangles, report);
+  count_bad_faces(scan, topology, face_area, report);
+  count_edges(topology, report);
+  count_components(topology, face_area, report);
+  MaterialInspector inspector(scan, triangles, topology);
+  for (size_t m = 0; m < scan.materials.size(); ++m)
+    report.materials.push_back(inspector.inspect(static_cast<uint16_t>(m)));
+  report.warnings = inspect_warnings(report, unit_option.has_value());
+  return report;
+}
+
+}  // namespace ohb
