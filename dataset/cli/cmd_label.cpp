@@ -19,6 +19,7 @@ int run_label(const Options& options, const CommonOptions& common) {
   job.rules = options.rules;
   job.faces = options.faces;
   job.truth = options.truth;
+  job.unit = options.unit;
   job.classes = options.classes;
   job.output = options.output;
   const LabelReport report = label_scan(job);

@@ -6,6 +6,7 @@
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
+#include "dataset/model/scan_unit.h"
 #include "dataset/production/label_maps.h"
 
 namespace ohb {
@@ -89,7 +90,7 @@ LabelReport label_scan(const LabelJob& job) {
   const std::vector<double> areas = face_areas(scan);
   LabelReport report;
   report.scan = job.scan.filename().string();
-  report.unit_cm = job.unit_cm;
+  report.unit_cm = job.unit.empty() ? guess_unit(scan).unit_cm : unit_cm_of(job.unit);
   Regions regions;
   report.scan_sha256 = regions.scan_sha256 = sha256_of_file(job.scan);
   if (job.faces.empty()) {

@@ -19,9 +19,9 @@ struct LabelJob {
   /// What the indices of `faces` and `truth` mean. Empty: "classes" of the JSON beside the file
   /// (x.labels.txt: x.json; else the scan's own), else skin, hair, fabric, leather.
   std::vector<std::string> classes;
-  std::filesystem::path truth;    // known classes to compare with; empty: none
-  std::optional<double> unit_cm;  // for areas in cm2
-  std::filesystem::path output;   // REGIONS folder, written whole or not at all
+  std::filesystem::path truth;   // known classes to compare with; empty: none
+  std::string unit;              // as --unit, for areas in cm2; empty: guessed, no areas if that fails
+  std::filesystem::path output;  // REGIONS folder, written whole or not at all
 };
 
 /// Writes REGIONS: regions.xml, faces.txt, class maps, report.json, report.txt. Throws InputError: files that
