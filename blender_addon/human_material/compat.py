@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Everything that differs between Blender 3.4 and 5.x, and nothing else. Callers say what they mean.
+
+Features are looked for by name; the version number is asked only where one name means different things.
+"""
+import bpy
+
+NEW_PRINCIPLED = (4, 0)   # from here: energy-conserving layers, Subsurface Scale
+
+
+# Principled BSDF ----------------------------------------------------------------------------------------
+
+#: what a socket means -> its names, newest first (docs/blender.md, "Blender's generations")
+PRINCIPLED_SOCKETS = {
+    "base": ("Base Color",),
+    "roughness": ("Roughness",),
+    "specular": ("Specular IOR Level", "Specular"),      # F0 / 0.08 at IOR 1.5
+    "ior": ("IOR",),
+    "normal": ("Normal",),
+    "subsurface_scale": ("Subsurface Scale", "Subsurface"),   # up to 3.6 "Subsurface" scales the radius
+    "subsurface_weight": ("Subsurface Weight",),
+    "subsurface_color": ("Subsurface Color",),           # up to 3.6 mixed with the base by Subsurface
+    "subsurface_radius": ("Subsurface Radius",),
+}
+
+
+def principled_socket(node, meaning):
+    """The input of that meaning, or None where this Blender has no such thing."""
+    for name in PRINCIPLED_SOCKETS[meaning]:
+        socket = node.inputs.get(name)
+        if socket is not None:
+            return socket
+    return None
+
+
+def prepare_principled(node):
+    """Settings that make maps mean the same in every generation; the maps are linked by the caller."""
+    node.distribution = "GGX"
+    principled_socket(node, "ior").default_value = 1.5   # before 4.0 without effect; after, level = F0 / 0.08
+    weight = principled_socket(node, "subsurface_weight")
+    if weight is not None:   # 4.0+: the map is a scale; linked to the weight it would blur a full radius
+        weight.default_value = 1.0
+
+
+#: method -> its identifiers in (up to 3.6, 4.0 to 5.1, 5.2 and later): RANDOM_WALK names three algorithms
+SUBSURFACE_METHODS = {
+    "burley": ("BURLEY", "BURLEY", "BURLEY"),
+    "random_walk_fixed": ("RANDOM_WALK_FIXED_RADIUS", "RANDOM_WALK", "RANDOM_WALK_LEGACY"),
+    "random_walk_skin": ("RANDOM_WALK", "RANDOM_WALK_SKIN", "RANDOM_WALK_SKIN"),
+}
+
+
+def subsurface_identifier(method, version):
+    generation = 0 if version < (4, 0) else 1 if version < (5, 2) else 2
+    return SUBSURFACE_METHODS[method][generation]
+
+
+def set_subsurface_method(node, method):
+    """Sets the method by what it does; keeps Blender's own default where this version has it no more."""
+    try:
+        node.subsurface_method = subsurface_identifier(method, bpy.app.version[:2])
+    except TypeError:
+        node.subsurface_method = "BURLEY"
+
+
+def generation():
+    """The Principled BSDF that this Blender renders: "principled_v1" or "principled_v2"."""
+    return "principled_v2" if bpy.app.version[:2] >= NEW_PRINCIPLED else "principled_v1"
+
+
+# Node trees ---------------------------------------------------------------------------------------------
+
+def node_tree_of(owner):
+    """The node tree of a material or world, made where it is missing."""
+    if owner.node_tree is None or not getattr(owner, "use_nodes", True):
+        owner.use_nodes = True
+    return owner.node_tree
+
+
+def new_group_socket(tree, name, in_out, kind):
+    """An input ("INPUT") or output of a node group. kind: "NodeSocketFloat", "NodeSocketColor"."""
+    if hasattr(tree, "interface"):
+        return tree.interface.new_socket(name, in_out=in_out, socket_type=kind)
+    return (tree.inputs if in_out == "INPUT" else tree.outputs).new(kind, name)
+
+
+def set_socket_range(socket, low, high, default):
+    """Slider limits and default of a float socket of a node group."""
+    socket.min_value, socket.max_value, socket.default_value = low, high, default
+
+
+def socket(sockets, identifier):
+    """A socket by identifier: names are translated and change between versions."""
+    for candidate in sockets:
+        if candidate.identifier == identifier:
+            return candidate
+    raise KeyError(identifier)
+
+
+
+# Materials, meshes, worlds ------------------------------------------------------------------------------
+
+def set_cut_out(material):
+    """Alpha as a cut-out in the viewport engine (Cycles needs nothing)."""
+    if hasattr(material, "surface_render_method"):
+        material.surface_render_method = "DITHERED"
+    elif hasattr(material, "blend_method"):
+        material.blend_method = "HASHED"
+        material.shadow_method = "HASHED"
+
+
+# Rendering ----------------------------------------------------------------------------------------------
+
+def set_cycles(scene, samples, seed):
+    """Cycles on the CPU with a fixed seed and no denoiser (builds without one raise if it is on)."""
+    scene.render.engine = "CYCLES"
+    scene.cycles.device = "CPU"
+    scene.cycles.samples = samples
+    scene.cycles.seed = seed
+    scene.cycles.use_adaptive_sampling = False
+    scene.cycles.use_denoising = False
+
+
+def set_plain_view(scene):
+    """Pictures show sRGB of the linear values: no film curve."""
+    scene.display_settings.display_device = "sRGB"
+    scene.view_settings.view_transform = "Standard"
+    scene.view_settings.look = "None"
+    scene.view_settings.exposure = 0
+    scene.view_settings.gamma = 1
+
+
+def set_output(scene, kind):
+    """File format "PNG" (16 bits, RGBA) or "OPEN_EXR" (float, RGBA)."""
+    settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):   # 5.0+: which formats there are depends on it
+        settings.media_type = "IMAGE"
+    settings.file_format = kind
+    settings.color_mode = "RGBA"
+    settings.color_depth = "16" if kind == "PNG" else "32"
+    if kind == "OPEN_EXR":
+        settings.exr_codec = "ZIP"
+
+
+# User interface -----------------------------------------------------------------------------------------
+
+def path_options():
+    """Options of a file property: paths relative to the .blend, where that has to be declared (4.5+)."""
+    return {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version[:2] >= (4, 5) else set()

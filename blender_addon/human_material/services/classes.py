@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The four material classes, and soft masks of them decoded from the material maps. No bpy.
+
+The maps are averages of the table's materials over a pixel, so a pixel on a border holds a mixture. Three of the four
+materials lie almost on one line (a mixture of fabric and leather looks like hair), so a pixel alone does not tell: a
+pixel is first given the nearest class, then that of most pixels around it, and last, on borders, split between the
+two classes nearby whose mixture fits it best.
+"""
+import json
+import os
+from collections import Counter
+
+from . import decode
+
+_FILE = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "data", "materials.json")
+with open(_FILE, encoding="utf-8") as _stream:
+    TABLE = json.load(_stream)["classes"]
+NAMES = tuple(entry["name"] for entry in TABLE)
+
+SSS_SCALE = 5.0         # subsurface counts five times: its range is a tenth of the others'
+VOTE_RADIUS_PX = 2      # 5 x 5 pixels vote
+BORDER_RADIUS_PX = 2    # mixtures are looked for this near to another class
+NOTHING = 255
+
+
+def feature(f0, roughness, sss):
+    """The point of the space in which materials are compared. Specular counts as S, where the table is even."""
+    return decode.linear_to_srgb(f0), roughness, SSS_SCALE * sss
+
+
+FEATURES = tuple(feature(decode.srgb_to_linear(e["specular"]), e["roughness"], e["sss"]) for e in TABLE)
+
+
+def shares_of_map(values, pixels):
+    """From the map `classes` (hair, fabric, leather a pixel) to four shares that sum to 1."""
+    shares = decode.zeros(len(values) // 3 * 4)
+    for p in pixels:
+        hair, fabric, leather = values[3 * p:3 * p + 3]
+        total = max(hair + fabric + leather, 1.0)
+        shares[4 * p:4 * p + 4] = decode.array("f", (
+            max(0.0, 1 - hair - fabric - leather), hair / total, fabric / total, leather / total))
+    return shares
+
+
+def shares_of_materials(f0, roughness, sss, pixels, width, height):
+    """Soft masks of the classes, decoded from the material maps: four shares a pixel that sum to 1."""
+    points = {p: feature(f0[p], roughness[p], sss[p]) for p in pixels}
+    nearest = bytearray([NOTHING]) * (width * height)
+    known = {}
+    for p, point in points.items():
+        if point not in known:
+            known[point] = nearest_class(point)
+        nearest[p] = known[point]
+    voted = vote(nearest, pixels, width, height)
+    shares = decode.zeros(4 * width * height)
+    for p in pixels:
+        nearby = _classes_around(voted, p, width, height, BORDER_RADIUS_PX)
+        if len(nearby) == 1:
+            shares[4 * p + voted[p]] = 1.0
+        else:
+            a, b, t = best_mixture(points[p], sorted(nearby))
+            shares[4 * p + a] = 1 - t
+            shares[4 * p + b] += t
+    return shares
+
+
+def nearest_class(point):
+    return min(range(len(FEATURES)), key=lambda c: _distance2(point, FEATURES[c]))
+
+
+def vote(labels, pixels, width, height):
+    """Each pixel takes the class of most pixels in the 5 x 5 around it; on a tie it keeps its own."""
+    result = bytearray(labels)
+    for p in pixels:
+        counts = Counter(_window(labels, p, width, height, VOTE_RADIUS_PX))
+        counts.pop(NOTHING, None)
+        if len(counts) > 1:
+            result[p] = max(counts, key=lambda c: (counts[c], c == labels[p]))
+    return result
+
+
+def best_mixture(point, candidates):
+    """(a, b, t): point is nearest to (1 - t) a + t b of all pairs of candidate classes."""
+    best = None
+    for i, a in enumerate(candidates):
+        for b in candidates[i + 1:]:
+            t = _share_between(point, FEATURES[a], FEATURES[b])
+            mixed = tuple(u + t * (v - u) for u, v in zip(FEATURES[a], FEATURES[b]))
+            distance = _distance2(point, mixed)
+            if best is None or distance < best[0]:
+                best = (distance, a, b, t)
+    return best[1:]
+
+
+def _share_between(point, a, b):
+    along = [v - u for u, v in zip(a, b)]
+    t = sum((x - u) * d for x, u, d in zip(point, a, along)) / sum(d * d for d in along)
+    return min(max(t, 0.0), 1.0)
+
+
+def _distance2(a, b):
+    return (a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2 + (a[2] - b[2]) ** 2
+
+
+def _window(labels, p, width, height, radius):
+    """Labels of the square around p, cut at the frame."""
+    x, y = p % width, p // width
+    left, right = max(0, x - radius), min(width, x + radius + 1)
+    values = b""
+    for row in range(max(0, y - radius), min(height, y + radius + 1)):
+        values += labels[row * width + left:row * width + right]
+    return values
+
+
+def _classes_around(labels, p, width, height, radius):
+    found = set(_window(labels, p, width, height, radius))
+    found.discard(NOTHING)
+    return found

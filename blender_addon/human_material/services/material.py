@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The material of a relief: maps as images of physical values, the edits of each class, the Principled BSDF.
+
+All images are linear floats marked Non-Color, packed into the .blend: the encodings of the files end in
+services/maps.py. So the nodes are the same for every maps folder and every Blender.
+"""
+import bpy
+
+from .. import compat
+from . import decode, edit
+
+RADIUS_M = (0.01, 0.002, 0.001)   # of scattering at sss = 1: (1.0, 0.2, 0.1) cm
+F0_PER_SPECULAR = 0.08
+NODE = "HM_"                      # names of the nodes that other services look for
+SUBSURFACE_SCALE = NODE + "SubsurfaceScale"
+PRINCIPLED = NODE + "Principled"
+
+
+def packed_image(name, width, height, channels):
+    """A float image of the given rasters: up to four arrays of equal length, missing ones 0 (alpha 1)."""
+    image = bpy.data.images.new(name, width, height, alpha=True, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    image.alpha_mode = "CHANNEL_PACKED"
+    values = decode.zeros(4 * width * height)
+    values[3::4] = decode.array("f", [1.0]) * (width * height)
+    for c, raster in enumerate(channels):
+        values[c::4] = raster
+    image.pixels.foreach_set(values)
+    image.update()
+    image.pack()
+    return image
+
+
+def images_of(maps, name):
+    """The material's images: HM_diffuse (RGB, alpha = coverage), HM_normal, HM_rss, HM_shares."""
+    width, height = maps.size
+    normal = [decode.array("f", [0.5 * n + 0.5 for n in maps.normal[c::3]]) for c in range(3)]
+    content = {
+        "diffuse": [maps.diffuse[c::3] for c in range(3)] + [maps.mask],
+        "normal": normal,
+        "rss": [maps.roughness, maps.f0, maps.sss],
+        "shares": [maps.shares[c::4] for c in range(4)],
+    }
+    return {key: packed_image("%s %s" % (name, key), width, height, channels)
+            for key, channels in content.items()}
+
+
+def build(maps, name, subsurface_method="burley"):
+    """The material of a relief. Its images go with it."""
+    material = bpy.data.materials.new(name)
+    tree = compat.node_tree_of(material)
+    tree.nodes.clear()
+    images = images_of(maps, name)
+    nodes = {key: _texture(tree, key, image, 300 * row)
+             for row, (key, image) in enumerate(images.items())}
+    rss = _separate(tree, nodes["rss"].outputs["Color"])
+    surface = {"base": nodes["diffuse"].outputs["Color"], "roughness": rss[0], "f0": rss[1], "sss": rss[2]}
+    surface = edit.add_nodes(tree, surface, _shares(tree, nodes["shares"]), maps)
+    bsdf = _principled(tree, surface, nodes["normal"], subsurface_method)
+    _output(tree, bsdf, nodes["diffuse"].outputs["Alpha"])
+    compat.set_cut_out(material)
+    return material
+
+
+def _texture(tree, key, image, y):
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.name = node.label = NODE + key
+    node.image = image
+    node.interpolation = "Linear"
+    node.extension = "EXTEND"
+    node.location = (-1400, -y)
+    return node
+
+
+def _separate(tree, color):
+    node = tree.nodes.new("ShaderNodeSeparateColor")
+    node.location = (-1100, -600)
+    tree.links.new(color, node.inputs[0])
+    return node.outputs
+
+
+def _shares(tree, texture):
+    """One output a class."""
+    parts = _separate(tree, texture.outputs["Color"])
+    return [parts[0], parts[1], parts[2], texture.outputs["Alpha"]]
+
+
+def math_node(tree, operation, *values, name=""):
+    """A Math node; values are outputs or numbers. Returns its output."""
+    node = tree.nodes.new("ShaderNodeMath")
+    node.operation = operation
+    if name:
+        node.name = node.label = name
+    for i, value in enumerate(values):
+        if isinstance(value, (int, float)):
+            node.inputs[i].default_value = value
+        else:
+            tree.links.new(value, node.inputs[i])
+    return node.outputs[0]
+
+
+def _principled(tree, surface, normal_texture, subsurface_method):
+    node = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    node.name = PRINCIPLED
+    node.location = (300, 0)
+    compat.prepare_principled(node)
+    compat.set_subsurface_method(node, subsurface_method)
+    specular = math_node(tree, "DIVIDE", surface["f0"], F0_PER_SPECULAR)
+    scale = math_node(tree, "MULTIPLY", surface["sss"], 1.0, name=SUBSURFACE_SCALE)
+    for meaning, output in (("base", surface["base"]), ("subsurface_color", surface["base"]),
+                            ("roughness", surface["roughness"]), ("specular", specular),
+                            ("subsurface_scale", scale), ("normal", _normal(tree, normal_texture))):
+        target = compat.principled_socket(node, meaning)
+        if target is not None:
+            tree.links.new(output, target)
+    compat.principled_socket(node, "subsurface_radius").default_value = RADIUS_M
+    return node
+
+
+def _normal(tree, texture):
+    """Object space, whose axes are the camera's: exact under any turn of the object."""
+    node = tree.nodes.new("ShaderNodeNormalMap")
+    node.space = "OBJECT"
+    node.location = (0, -500)
+    tree.links.new(texture.outputs["Color"], node.inputs["Color"])
+    return node.outputs["Normal"]
+
+
+def _output(tree, bsdf, alpha):
+    clear = tree.nodes.new("ShaderNodeBsdfTransparent")
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    mix.location = (600, 0)
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    output.location = (800, 0)
+    tree.links.new(alpha, mix.inputs[0])
+    tree.links.new(clear.outputs[0], mix.inputs[1])
+    tree.links.new(bsdf.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+
+
+def set_subsurface_scale(material, factor):
+    """Multiplies the subsurface map; 0 turns subsurface scattering off."""
+    material.node_tree.nodes[SUBSURFACE_SCALE].inputs[1].default_value = factor
+
+
+def is_ours(material):
+    return (material is not None and material.node_tree is not None
+            and SUBSURFACE_SCALE in material.node_tree.nodes)

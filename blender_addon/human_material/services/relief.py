@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Puts the person of a maps folder into the scene: mesh, material, camera.
+
+World: Blender's, metres, +Z up, soles at z = 0; ours (x, y, z) in cm is (x, -z, y) / 100. The relief stands upright,
+its middle at camera.center_y_cm, and faces -Y, where the camera is.
+"""
+import math
+
+import bpy
+
+from . import camera, grid, maps, material
+
+PROPERTY = "hm_maps"   # custom property of reliefs: the maps folder
+
+
+def load_into(scene, path, jump_cm=grid.DEFAULT_JUMP_CM, match_camera=True, subsurface_method="burley"):
+    """Imports a maps folder. Returns (object, Maps). Throws InputError before anything is changed."""
+    loaded = maps.load(path)
+    relief = grid.build(loaded.displacement_cm, loaded.known, *loaded.size, loaded.info.camera, jump_cm)
+    name = loaded.info.name
+    item = bpy.data.objects.new(name, mesh_of(relief, name))
+    item.data.materials.append(material.build(loaded, name, subsurface_method))
+    item.rotation_euler = (math.pi / 2, 0, 0)   # the camera's axes, stood upright
+    item.location = (0, 0, loaded.info.camera.center_y_cm * grid.CM)
+    item[PROPERTY] = loaded.info.folder
+    scene.collection.objects.link(item)
+    camera.remember(item, loaded.info)
+    if match_camera:
+        camera.match(scene, item)
+    return item, loaded
+
+
+def mesh_of(relief, name):
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(relief.vertices, [], relief.faces)
+    layer = mesh.uv_layers.new(name="UVMap")
+    corners = [0] * len(mesh.loops)
+    mesh.loops.foreach_get("vertex_index", corners)
+    layer.data.foreach_set("uv", [value for v in corners for value in relief.uvs[v]])
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    mesh.update()
+    return mesh
+
+
+def is_relief(item):
+    return item is not None and item.type == "MESH" and PROPERTY in item
+
+
+def reliefs(scene):
+    return [item for item in scene.objects if is_relief(item)]
+
+
+def material_of(item):
+    """The relief's material, or None."""
+    if not is_relief(item) or not item.data.materials:
+        return None
+    found = item.data.materials[0]
+    return found if material.is_ours(found) else None

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Thin operators: poll, one call of a service, a report. Bad input ends in a report and changes nothing."""
+import bpy
+from bpy.props import EnumProperty, StringProperty
+from bpy_extras.io_utils import ImportHelper
+
+from .. import compat
+from ..services import camera, classes, edit, environment, lights, material, presets, relief, render
+from ..services.errors import InputError
+
+CLASS_ITEMS = [(entry["name"], entry["label"], "") for entry in classes.TABLE]
+PRESET_ITEMS = [(p.name, p.label, "") for p in presets.PRESETS.values()]
+
+
+class Operator(bpy.types.Operator):
+    """Base: turns InputError into a report."""
+
+    def execute(self, context):
+        try:
+            self.report({"INFO"}, self.run(context))
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class ReliefOperator(Operator):
+    """Base of what works on the active relief."""
+
+    @classmethod
+    def poll(cls, context):
+        if relief.material_of(context.object) is None:
+            cls.poll_message_set("Select a person that was imported from a maps folder")
+            return False
+        return True
+
+
+class HM_OT_import_maps(Operator, ImportHelper):
+    """Import the person of a maps folder (maps.json) and match the scene's camera"""
+    bl_idname = "hm.import_maps"
+    bl_label = "Import Maps"
+    bl_options = {"REGISTER", "UNDO"}
+    filename_ext = ".json"
+    filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+
+    def run(self, context):
+        settings = context.scene.hm
+        item, loaded = relief.load_into(context.scene, bpy.path.abspath(self.filepath), settings.jump_cm,
+                                        subsurface_method=settings.subsurface_method)
+        material.set_subsurface_scale(relief.material_of(item), settings.subsurface_scale)
+        for other in context.selected_objects:
+            other.select_set(False)
+        item.select_set(True)
+        context.view_layer.objects.active = item
+        for warning in loaded.warnings:
+            self.report({"WARNING"}, warning)
+        return "%s: %d x %d pixels, %d faces" % (item.name, *loaded.size, len(item.data.polygons))
+
+
+class HM_OT_match_camera(ReliefOperator):
+    """Make the scene's camera and resolution those of the person's picture"""
+    bl_idname = "hm.match_camera"
+    bl_label = "Match Camera"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def run(self, context):
+        return "%s matches %s" % (camera.match(context.scene, context.object).name, context.object.name)
+
+
+class HM_OT_set_environment(Operator, ImportHelper):
+    """Light the scene by a latitude-longitude picture (EXR or HDR)"""
+    bl_idname = "hm.set_environment"
+    bl_label = "Environment"
+    bl_options = {"REGISTER", "UNDO"}
+    filename_ext = ".exr"
+    filter_glob: StringProperty(default="*.exr;*.hdr", options={"HIDDEN"})
+
+    def run(self, context):
+        settings = context.scene.hm
+        image = environment.set_environment(context.scene, bpy.path.abspath(self.filepath),
+                                            settings.rotation_deg, settings.strength)
+        environment.show_background(context.scene, settings.show_background)
+        return "Lit by %s" % image.name
+
+
+class HM_OT_add_point_light(Operator):
+    """Add a point light of no size at the given position"""
+    bl_idname = "hm.add_point_light"
+    bl_label = "Add Point Light"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def run(self, context):
+        settings = context.scene.hm
+        return "Added %s" % lights.add_point(context.scene, settings.point_cm, settings.point_intensity).name
+
+
+class HM_OT_apply_preset(ReliefOperator):
+    """Give one class of the person another material or colour; the rest stays"""
+    bl_idname = "hm.apply_preset"
+    bl_label = "Apply Preset"
+    bl_options = {"REGISTER", "UNDO"}
+    class_name: EnumProperty(name="Class", items=CLASS_ITEMS, default="fabric")
+    preset: EnumProperty(name="Preset", items=PRESET_ITEMS, default="shiny_leather")
+
+    def run(self, context):
+        edit.apply(relief.material_of(context.object), self.class_name, presets.PRESETS[self.preset])
+        return "%s: %s" % (self.class_name.capitalize(), presets.PRESETS[self.preset].label)
+
+
+class HM_OT_reset_edit(ReliefOperator):
+    """Undo every edit of one class"""
+    bl_idname = "hm.reset_edit"
+    bl_label = "Reset"
+    bl_options = {"REGISTER", "UNDO"}
+    class_name: EnumProperty(name="Class", items=CLASS_ITEMS, default="fabric")
+
+    def run(self, context):
+        edit.reset(relief.material_of(context.object), self.class_name)
+        return "%s as imported" % self.class_name.capitalize()
+
+
+class HM_OT_prepare_render(Operator):
+    """Set Cycles, the number of samples and a view without a film curve, as `humanmaterial relight` renders"""
+    bl_idname = "hm.prepare_render"
+    bl_label = "Prepare Render"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def run(self, context):
+        settings = context.scene.hm
+        render.prepare(context.scene, settings.samples)
+        environment.show_background(context.scene, settings.show_background)
+        return "Cycles, %d samples, %s" % (settings.samples, compat.generation())
+
+
+class HM_OT_render_picture(Operator):
+    """Render the scene into a PNG or EXR file"""
+    bl_idname = "hm.render_picture"
+    bl_label = "Render Picture"
+    filepath: StringProperty(subtype="FILE_PATH", options=compat.path_options())
+    filter_glob: StringProperty(default="*.png;*.exr", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context):
+        if context.scene.camera is None:
+            cls.poll_message_set("The scene has no camera: import maps or match the camera")
+            return False
+        return True
+
+    def invoke(self, context, event):
+        self.filepath = self.filepath or "relit.png"
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def run(self, context):
+        path = bpy.path.abspath(self.filepath)
+        render.to_file(context.scene, path)
+        return "Wrote %s" % path
+
+
+CLASSES = (HM_OT_import_maps, HM_OT_match_camera, HM_OT_set_environment, HM_OT_add_point_light,
+           HM_OT_apply_preset, HM_OT_reset_edit, HM_OT_prepare_render, HM_OT_render_picture)

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sidebar tab "Human Material": Maps, Light, Edit, Render."""
+import bpy
+
+from ..services import classes, edit, environment, relief
+
+
+class Panel:
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Human Material"
+
+    def prepared(self):
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        return self.layout
+
+
+class HM_PT_maps(Panel, bpy.types.Panel):
+    bl_label = "Maps"
+
+    def draw(self, context):
+        layout = self.prepared()
+        layout.operator("hm.import_maps", icon="IMPORT")
+        settings = context.scene.hm
+        layout.prop(settings, "jump_cm")
+        layout.prop(settings, "subsurface_method")
+        layout.prop(settings, "subsurface_scale")
+        if relief.is_relief(context.object):
+            shape = context.object["hm_camera"]
+            layout.label(text="%s: %d x %d" % (context.object.name, shape["width_px"], shape["height_px"]))
+            layout.label(text=context.object[relief.PROPERTY], icon="FILE_FOLDER")
+        layout.operator("hm.match_camera", icon="CAMERA_DATA")
+
+
+class HM_PT_light(Panel, bpy.types.Panel):
+    bl_label = "Light"
+
+    def draw(self, context):
+        layout = self.prepared()
+        settings = context.scene.hm
+        layout.operator("hm.set_environment", icon="WORLD")
+        if environment.has_world(context.scene):
+            image = context.scene.world.node_tree.nodes[environment.TEXTURE].image
+            layout.label(text=image.name if image else "No environment")
+        column = layout.column()
+        column.prop(settings, "rotation_deg")
+        column.prop(settings, "strength")
+        column.prop(settings, "show_background")
+        column = layout.column()
+        column.prop(settings, "point_cm")
+        column.prop(settings, "point_intensity")
+        column.operator("hm.add_point_light", icon="LIGHT_POINT")
+
+
+class HM_PT_edit(Panel, bpy.types.Panel):
+    bl_label = "Edit"
+
+    def draw(self, context):
+        if relief.material_of(context.object) is None:
+            self.layout.label(text="Select an imported person")
+
+
+def _draw_class(self, context):
+    """The presets and sliders of one class."""
+    layout = self.prepared()
+    row = layout.row(align=True)
+    row.operator_menu_enum("hm.apply_preset", "preset", text="Preset").class_name = self.class_name
+    row.operator("hm.reset_edit", icon="LOOP_BACK").class_name = self.class_name
+    node = edit.node_of(relief.material_of(context.object), self.class_name)
+    column = layout.column(align=True)
+    column.prop(node.inputs["Color"], "default_value", text="Color")
+    for name in edit.SLIDERS:
+        column.prop(node.inputs[name], "default_value", text=name, slider=True)
+
+
+def _class_panel(entry):
+    """One sub-panel of Edit a class."""
+    return type("HM_PT_edit_" + entry["name"], (Panel, bpy.types.Panel), {
+        "bl_label": entry["label"], "bl_parent_id": "HM_PT_edit", "bl_options": {"DEFAULT_CLOSED"},
+        "class_name": entry["name"], "draw": _draw_class,
+        "poll": classmethod(lambda cls, context: relief.material_of(context.object) is not None)})
+
+
+class HM_PT_render(Panel, bpy.types.Panel):
+    bl_label = "Render"
+
+    def draw(self, context):
+        layout = self.prepared()
+        layout.prop(context.scene.hm, "samples")
+        layout.operator("hm.prepare_render", icon="SCENE")
+        layout.operator("hm.render_picture", icon="RENDER_STILL")
+
+
+CLASSES = (HM_PT_maps, HM_PT_light, HM_PT_edit, *(_class_panel(entry) for entry in classes.TABLE), HM_PT_render)

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of the panels, kept in the scene (scene.hm)."""
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
+
+from .. import compat
+from ..services import environment, material, relief
+
+SUBSURFACE_ITEMS = (
+    ("burley", "Burley", "Means the same in every Blender"),
+    ("random_walk_fixed", "Random walk, fixed radius", "Slower; true to thin parts"),
+    ("random_walk_skin", "Random walk for skin", "Slower; keeps details sharper"),
+)
+
+
+def _update_rotation(self, context):
+    if environment.has_world(context.scene):
+        environment.set_rotation(context.scene, self.rotation_deg)
+
+
+def _update_strength(self, context):
+    if environment.has_world(context.scene):
+        environment.set_strength(context.scene, self.strength)
+
+
+def _update_background(self, context):
+    environment.show_background(context.scene, self.show_background)
+
+
+def _update_subsurface(self, context):
+    for item in relief.reliefs(context.scene):
+        found = relief.material_of(item)
+        if found:
+            material.set_subsurface_scale(found, self.subsurface_scale)
+            compat.set_subsurface_method(found.node_tree.nodes[material.PRINCIPLED], self.subsurface_method)
+
+
+class HM_PG_scene(bpy.types.PropertyGroup):
+    jump_cm: FloatProperty(
+        name="Cut Depth Jumps", default=5.0, min=0.1, soft_max=50, subtype="NONE",
+        description="Depth difference of neighbouring pixels in cm above which the surface is cut")
+    rotation_deg: FloatProperty(
+        name="Rotation", default=0.0, soft_min=-180, soft_max=180, update=_update_rotation,
+        description="Turns the environment about the vertical, in degrees: after 90, light that came from the "
+                    "viewer comes from the picture's right")
+    strength: FloatProperty(name="Strength", default=1.0, min=0.0, soft_max=5, update=_update_strength,
+                            description="Factor on the environment's light")
+    show_background: BoolProperty(name="Show Environment", default=False, update=_update_background,
+                                  description="Show the environment behind the person; else transparent")
+    subsurface_scale: FloatProperty(name="Subsurface Scale", default=1.0, min=0.0, soft_max=5,
+                                    update=_update_subsurface,
+                                    description="Factor on the subsurface map; 0 turns scattering off")
+    subsurface_method: EnumProperty(name="Subsurface Method", items=SUBSURFACE_ITEMS, default="burley",
+                                    update=_update_subsurface)
+    point_cm: FloatVectorProperty(
+        name="Position (cm)", size=3, default=(100.0, 220.0, 200.0),
+        description="Where a new point light goes, in cm: right, up from the ground, towards the viewer")
+    point_intensity: FloatProperty(name="Intensity", default=5.0, min=0.0, soft_max=20,
+                                   description="Irradiance of a new point light at 1 m")
+    samples: IntProperty(name="Samples", default=64, min=1, soft_max=1024, description="Samples a pixel")
+
+
+CLASSES = (HM_PG_scene,)
