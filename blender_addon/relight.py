@@ -168,5 +168,12 @@ def disk_is_full(path):
     return os.path.isdir(folder) and shutil.disk_usage(folder).free < FULL_DISK_BYTES
 
 
+def own_arguments():
+    """Those after "--"; all of them where bpy is a module of Python and not a program."""
+    if "--" in sys.argv:
+        return sys.argv[sys.argv.index("--") + 1:]
+    return [] if bpy.app.binary_path else sys.argv[1:]
+
+
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]))
+    sys.exit(main(own_arguments()))

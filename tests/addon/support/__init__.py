@@ -1,0 +1,10 @@
+"""What the tests of the add-on share. Importing it makes `human_material` importable."""
+import os
+import sys
+
+TESTS = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+ROOT = os.path.dirname(os.path.dirname(TESTS))
+ADDON = os.path.join(ROOT, "blender_addon")
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, ADDON)

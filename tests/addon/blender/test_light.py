@@ -1,0 +1,99 @@
+"""Where light comes from, and how much."""
+import math
+import unittest
+
+import bpy
+from support import maps_folder, scene as s
+
+from human_material.services import environment, lights, relief
+
+BUMP = maps_folder.Person(24, 24, maps_folder.ORTHOGRAPHIC)
+FLAT = maps_folder.Person(16, 16, maps_folder.ORTHOGRAPHIC, flat=True)
+PEAK, WIDTH = 4000.0, 64
+#: solid angle of a texel at the horizon's first row
+TEXEL = 2 * math.pi / WIDTH * (math.cos(math.pi / 2) - math.cos(math.pi / 2 + math.pi / (WIDTH / 2)))
+
+
+class Light(unittest.TestCase):
+    def setUp(self):
+        self.scene = s.empty_scene()
+
+    def matte(self, person):
+        """A person of albedo 0.5 that only reflects diffusely."""
+        item, loaded = s.import_person(self.scene, person)
+        tree = relief.material_of(item).node_tree
+        diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+        diffuse.inputs["Color"].default_value = (0.5, 0.5, 0.5, 1)
+        tree.links.new(s.source_of(s.socket_of(item, "normal")), diffuse.inputs["Normal"])
+        end = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+        tree.links.new(diffuse.outputs[0], end.inputs["Surface"])
+        return loaded
+
+    def halves(self, values, loaded):
+        """Mean of the left, right, lower and upper half."""
+        width, height = loaded.size
+        sums = {"left": [], "right": [], "lower": [], "upper": []}
+        for p in s.inside(loaded, 2):
+            sums["left" if p % width < width / 2 else "right"].append(values[3 * p])
+            sums["lower" if p // width < height / 2 else "upper"].append(values[3 * p])
+        return {side: sum(v) / len(v) for side, v in sums.items()}
+
+    def test_one_texel_lights_the_side_it_is_on(self):
+        loaded = self.matte(BUMP)
+        seen = {}
+        for name, direction in (("+x", (1, 0, 0)), ("-x", (-1, 0, 0)), ("+y", (0, 1, 0)), ("+z", (0, 0, 1)),
+                                ("-z", (0, 0, -1))):
+            s.light_up(self.scene, direction, peak=PEAK)
+            seen[name] = self.halves(s.rendered(self.scene, 16), loaded)
+        self.assertGreater(seen["+x"]["right"], 5 * seen["+x"]["left"])
+        self.assertGreater(seen["-x"]["left"], 5 * seen["-x"]["right"])
+        self.assertGreater(seen["+y"]["upper"], 5 * seen["+y"]["lower"])
+        self.assertAlmostEqual(seen["+z"]["left"] / seen["+z"]["right"], 1, delta=0.15)
+        self.assertLess(max(seen["-z"].values()), 0.02 * seen["+z"]["left"])
+
+    def test_rotation_turns_light_from_the_viewer_to_the_right(self):
+        loaded = self.matte(BUMP)
+        s.light_up(self.scene, (0, 0, 1), peak=PEAK, rotation_deg=90)
+        turned = self.halves(s.rendered(self.scene, 32), loaded)
+        s.light_up(self.scene, (1, 0, 0), peak=PEAK)
+        direct = self.halves(s.rendered(self.scene, 32), loaded)
+        for side in direct:
+            self.assertAlmostEqual(turned[side], direct[side], delta=0.05 * direct["right"])
+        environment.set_rotation(self.scene, -180)
+        back = self.halves(s.rendered(self.scene, 32), loaded)
+        self.assertGreater(back["left"], 5 * back["right"])
+
+    def test_radiance_and_strength(self):
+        """A flat face of albedo 0.5 under a white sky of radiance 1 shows 0.5; twice the strength, 1."""
+        loaded = self.matte(FLAT)
+        centre = s.inside(loaded, 3)
+        s.light_up(self.scene, sky=1.0)
+        for strength in (1.0, 2.0):
+            environment.set_strength(self.scene, strength)
+            found = s.rendered(self.scene, 32)
+            mean = sum(found[3 * p] for p in centre) / len(centre)
+            self.assertAlmostEqual(mean, 0.5 * strength, delta=0.02)
+
+    def test_point_light_has_the_irradiance_of_its_intensity_at_1_m(self):
+        loaded = self.matte(FLAT)
+        environment.set_dark(self.scene)
+        lights.add_point(self.scene, (0, 80, 200), 6.0)   # 2 m in front of the frame's middle
+        found = s.rendered(self.scene, 16)
+        width = loaded.size[0]
+        middle = [p for p in s.inside(loaded, 3) if abs(p % width - 7.5) < 1 and abs(p // width - 7.5) < 1]
+        mean = sum(found[3 * p] for p in middle) / len(middle)
+        self.assertAlmostEqual(mean, 0.5 / math.pi * 6.0 / 4, delta=0.006)
+
+    def test_point_light_stands_in_our_axes(self):
+        item = lights.add_point(self.scene, (100, 220, 200), 1.0)
+        for found, wanted in zip(item.location, (1.0, -2.0, 2.2)):
+            self.assertAlmostEqual(found, wanted, places=5)
+
+    def test_other_worlds_stay(self):
+        mine = self.scene.world = bpy.data.worlds.new("mine")
+        s.light_up(self.scene, sky=1.0)
+        self.assertIn("mine", bpy.data.worlds)
+        self.assertIsNot(self.scene.world, mine)
+        images = len(bpy.data.images)
+        s.light_up(self.scene, sky=2.0)   # again: the picture is replaced, not added
+        self.assertEqual(len(bpy.data.images), images)

@@ -1,0 +1,83 @@
+"""Reflectance and subsurface scattering mean the same in every generation of the Principled BSDF."""
+import unittest
+
+from support import maps_folder, scene as s
+
+from human_material import compat
+from human_material.services import decode, material, relief
+
+FLAT = maps_folder.Person(16, 16, maps_folder.ORTHOGRAPHIC, flat=True)
+
+
+class Material(unittest.TestCase):
+    def setUp(self):
+        self.scene = s.empty_scene()
+        self.item, self.loaded = s.import_person(self.scene, FLAT)
+        self.pixels = s.inside(self.loaded, 2)
+
+    def link_value(self, meaning, value):
+        socket = s.socket_of(self.item, meaning)
+        for link in list(socket.links):
+            relief.material_of(self.item).node_tree.links.remove(link)
+        socket.default_value = value
+
+    def test_socket_holds_f0_over_008(self):
+        s.show(self.item, s.source_of(s.socket_of(self.item, "specular")))
+        found = s.rendered(self.scene, 1, exact=True)
+        for p in self.pixels:
+            self.assertAlmostEqual(found[3 * p], self.loaded.f0[p] / 0.08, delta=2e-3)
+
+    def test_a_mirror_in_a_white_room_reflects_f0(self):
+        """Black albedo, small roughness, seen along the normal: what is left of the light is F0."""
+        for meaning, value in (("base", (0, 0, 0, 1)), ("subsurface_color", (0, 0, 0, 1)), ("roughness", 0.05),
+                               ("subsurface_scale", 0.0)):
+            if compat.principled_socket(s.principled(self.item), meaning) is not None:
+                self.link_value(meaning, value)
+        s.light_up(self.scene, sky=1.0)
+        found = s.rendered(self.scene, 16)
+        centre = [p for p in s.inside(self.loaded, 1) if self.far_from_borders(p)]
+        self.assertGreater(len(centre), 3)
+        for p in centre:
+            self.assertAlmostEqual(found[3 * p] / self.loaded.f0[p], 1, delta=0.03)
+
+    def far_from_borders(self, p):
+        x, y = p % 16, p // 16
+        return abs(x - 7.5) > 2.4 and abs(y - 7.5) > 2.4
+
+    def test_subsurface_is_a_scale_of_radii_in_metres(self):
+        node = s.principled(self.item)
+        for found, wanted in zip(compat.principled_socket(node, "subsurface_radius").default_value,
+                                 (0.01, 0.002, 0.001)):
+            self.assertAlmostEqual(found, wanted)
+        weight = compat.principled_socket(node, "subsurface_weight")
+        if weight is not None:
+            self.assertEqual((weight.default_value, weight.is_linked), (1.0, False))
+        s.show(self.item, s.source_of(s.socket_of(self.item, "subsurface_scale")))
+        found = s.rendered(self.scene, 1, exact=True)
+        for p in self.pixels:
+            self.assertAlmostEqual(found[3 * p], self.loaded.sss[p], delta=1e-3)
+        material.set_subsurface_scale(relief.material_of(self.item), 0)
+        self.assertEqual(max(s.rendered(self.scene, 1, exact=True)), 0)
+
+    def test_subsurface_keeps_the_energy_of_diffuse(self):
+        """A white room shows the same mean skin with and without scattering, by each method."""
+        s.light_up(self.scene, sky=1.0)
+        skin = [p for p in s.inside(self.loaded, 1) if self.loaded.shares[4 * p] > 0.9]
+        material.set_subsurface_scale(relief.material_of(self.item), 0)
+        without = self.mean(s.rendered(self.scene, 32), skin)
+        material.set_subsurface_scale(relief.material_of(self.item), 1)
+        for method in compat.SUBSURFACE_METHODS:
+            compat.set_subsurface_method(s.principled(self.item), method)
+            self.assertAlmostEqual(self.mean(s.rendered(self.scene, 64), skin) / without, 1, delta=0.08, msg=method)
+
+    def mean(self, values, pixels):
+        return sum(sum(values[3 * p:3 * p + 3]) for p in pixels) / (3 * len(pixels))
+
+    def test_background_is_clear(self):
+        s.light_up(self.scene, sky=1.0)
+        found = s.rendered(self.scene, 4)
+        self.assertEqual(list(found[:3]), [0, 0, 0])
+        self.assertGreater(min(found[3 * p] for p in self.pixels), 0.05)
+
+    def test_luminance_of_white_is_one(self):
+        self.assertAlmostEqual(decode.luminance(1, 1, 1), 1)

@@ -1,0 +1,82 @@
+"""Helpers of the tests that run inside Blender."""
+import os
+import tempfile
+
+import bpy
+
+from support import maps_folder
+
+from human_material import compat
+from human_material.services import environment, material, relief, render
+from human_material.services.maps import read_raster
+
+
+def empty_scene():
+    """The one scene, with nothing in it."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    return bpy.context.scene
+
+
+def folder():
+    return tempfile.mkdtemp(prefix="hm")
+
+
+def import_person(scene, person, **options):
+    """(object, Maps) of a made-up person."""
+    path = os.path.join(folder(), "person")
+    maps_folder.write(path, person)
+    return relief.load_into(scene, path, **options)
+
+
+def light_up(scene, direction=None, sky=0.0, peak=1000.0, rotation_deg=0.0):
+    path = os.path.join(folder(), "light.exr")
+    maps_folder.environment(path, direction, sky=sky, peak=peak)
+    return environment.set_environment(scene, path, rotation_deg)
+
+
+def rendered(scene, samples=16, exact=False):
+    """RGB of each pixel, rows from the bottom. exact: one ray through each pixel's centre."""
+    render.prepare(scene, samples)
+    scene.render.film_transparent = True
+    scene.cycles.pixel_filter_type = "BOX" if exact else "BLACKMAN_HARRIS"
+    scene.render.filter_size = 1.5
+    scene.cycles.filter_width = 0.01 if exact else 1.5
+    path = os.path.join(folder(), "picture.exr")
+    render.to_file(scene, path)
+    return read_raster(path, 3, scene.render.resolution_x, scene.render.resolution_y)
+
+
+def show(item, output):
+    """Makes the relief glow with a node's output: what is rendered is the value itself."""
+    tree = relief.material_of(item).node_tree
+    glow = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(output, glow.inputs["Color"])
+    end = next(n for n in tree.nodes if n.type == "OUTPUT_MATERIAL")
+    tree.links.new(glow.outputs[0], end.inputs["Surface"])
+
+
+def principled(item):
+    return relief.material_of(item).node_tree.nodes[material.PRINCIPLED]
+
+
+def source_of(socket):
+    """The output that feeds an input."""
+    return socket.links[0].from_socket
+
+
+def socket_of(item, meaning):
+    return compat.principled_socket(principled(item), meaning)
+
+
+def inside(loaded, margin=2):
+    """Pixels at least so far inside the mask and the frame."""
+    width, height = loaded.size
+    return [y * width + x for y in range(margin, height - margin) for x in range(margin, width - margin)
+            if all(loaded.mask[(y + v) * width + x + u] > 0
+                   for v in (-margin, 0, margin) for u in (-margin, 0, margin))]
+
+
+def data_counts():
+    """How many data blocks of each kind the file holds."""
+    return {kind: len(getattr(bpy.data, kind)) for kind in (
+        "objects", "meshes", "materials", "images", "node_groups", "worlds", "cameras", "lights", "scenes")}
