@@ -28,6 +28,12 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::Success& information) {
     return app.exit(information);
+  } catch (const CLI::RequiredError& error) {
+    // CLI11 reports a misspelt command as a missing one.
+    const bool misspelt = app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-';
+    const std::string words = misspelt ? std::string("there is no command '") + argv[1] + "'" : error.what();
+    std::fprintf(stderr, "openhumanbrdf: %s; see openhumanbrdf --help\n", words.c_str());
+    return kExitBadInput;
   } catch (const CLI::ParseError& error) {
     std::fprintf(stderr, "openhumanbrdf: %s; see openhumanbrdf --help\n", error.what());
     return kExitBadInput;

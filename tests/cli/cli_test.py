@@ -1,0 +1,230 @@
+"""The program openhumanbrdf from outside: exit codes, messages, equal bytes, interruption, full disks.
+
+usage: cli_test.py PROGRAM [unittest's arguments]
+"""
+import hashlib
+import json
+import os
+import resource
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import zlib
+from pathlib import Path
+
+PROGRAM = None
+DONE, BAD_INPUT, TRY_AGAIN = 0, 2, 75
+
+
+def run(*arguments, file_size_limit=None):
+    def limit():
+        if file_size_limit is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (file_size_limit, file_size_limit))
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, preexec_fn=limit, timeout=300)
+
+
+def png(path, size_px, colour_of):
+    rows = b"".join(b"\0" + bytes(v for x in range(size_px) for v in colour_of(x, y)) for y in range(size_px))
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    header = struct.pack(">IIBBBBB", size_px, size_px, 8, 2, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def write_scan(folder):
+    """A body of 170 cm: a box with one UV chart a side, skin above fabric."""
+    low, high = (-20, 0, -12), (20, 170, 12)
+    corners = [(x, y, z) for z in (low[2], high[2]) for y in (low[1], high[1]) for x in (low[0], high[0])]
+    sides = [(4, 5, 7, 6), (1, 0, 2, 3), (5, 1, 3, 7), (0, 4, 6, 2), (6, 7, 3, 2), (0, 1, 5, 4)]
+    lines = ["mtllib scan.mtl"] + ["v %g %g %g" % c for c in corners]
+    for i in range(6):
+        u, v = (i % 3) / 3, (i // 3) / 2
+        lines += ["vt %g %g" % (u + 0.32 * a, v + 0.48 * b) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    for i, side in enumerate(sides):
+        lines.append("usemtl skin" if i < 4 else "usemtl shirt")
+        lines.append("f " + " ".join("%d/%d" % (c + 1, 4 * i + k + 1) for k, c in enumerate(side)))
+    (folder / "scan.obj").write_text("\n".join(lines) + "\n")
+    (folder / "scan.mtl").write_text("newmtl skin\nmap_Kd colour.png\nnewmtl shirt\nmap_Kd colour.png\n")
+    png(folder / "colour.png", 32, lambda x, y: (8 * x, 8 * y, 128))
+    return folder / "scan.obj"
+
+
+def write_hdr(path, width=16, height=8, value=(128, 128, 128, 129)):
+    """A constant Radiance picture: the one HDR format that is plain bytes."""
+    header = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (height, width)
+    path.write_bytes(header + bytes(value) * (width * height))
+    return path
+
+
+def digest(folder):
+    files = sorted(p for p in folder.rglob("*") if p.is_file() and p.name != "render.json")
+    return {str(p.relative_to(folder)): hashlib.sha256(p.read_bytes()).hexdigest() for p in files}
+
+
+class Commands(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = Path(tempfile.mkdtemp(prefix="ohb-cli-"))
+        cls.scan = write_scan(cls.folder)
+        cls.environment = write_hdr(cls.folder / "grey.hdr")
+        for arguments in (["label", cls.scan, "-o", cls.folder / "regions"],
+                          ["bake", cls.scan, "--regions", cls.folder / "regions", "--size", 64, "-o", cls.folder / "model"]):
+            result = run(*arguments)
+            assert result.returncode == DONE, result.stderr
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    def render(self, output, *more, **keywords):
+        return run("render", self.folder / "model", "--environment", self.environment, "--size", 48, "--spp", 8,
+                   "--views", "4:0,1", "-o", output, *more, **keywords)
+
+    def expect_refusal(self, result, *words):
+        self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+        self.assertEqual(result.stdout, "")
+        lines = [line for line in result.stderr.splitlines() if not line.startswith("warning:")]
+        self.assertEqual(len(lines), 1, result.stderr)
+        for word in words:
+            self.assertIn(word, lines[0])
+
+    def leftovers(self):
+        return [p.name for p in self.folder.iterdir() if ".tmp" in p.name or ".old" in p.name]
+
+    def test_every_command_has_help_with_examples(self):
+        overview = run("--help")
+        self.assertEqual(overview.returncode, DONE)
+        for command in ("inspect", "label", "bake", "render", "validate"):
+            self.assertIn(command, overview.stdout)
+            result = run(command, "--help")
+            self.assertEqual(result.returncode, DONE)
+            self.assertGreaterEqual(result.stdout.count("openhumanbrdf " + command), 2, command)
+
+    def test_version_names_libraries(self):
+        result = run("--version")
+        self.assertEqual(result.returncode, DONE)
+        for word in ("openhumanbrdf", "OpenImageIO", "Embree"):
+            self.assertIn(word, result.stdout)
+
+    def test_same_bytes_for_any_thread_count_and_run(self):
+        results = []
+        for i, threads in enumerate((1, 2, 8, 8)):
+            model, samples = self.folder / ("model%d" % i), self.folder / ("samples%d" % i)
+            baked = run("bake", self.scan, "--regions", self.folder / "regions", "--size", 64, "--threads", threads, "-o", model)
+            self.assertEqual(baked.returncode, DONE, baked.stderr)
+            self.assertEqual(self.render(samples, "--threads", threads).returncode, DONE)
+            results.append((digest(model), digest(samples)))
+        self.assertGreater(len(results[0][1]), 2)
+        for other in results[1:]:
+            self.assertEqual(results[0], other)
+
+    def test_resumes_without_rendering_again(self):
+        output = self.folder / "resumed"
+        self.assertEqual(self.render(output).returncode, DONE)
+        before = digest(output)
+        (output / "view_001.exr").unlink()
+        result = self.render(output, "--json")
+        self.assertEqual([v["was_there"] for v in json.loads(result.stdout)["views"]], [True, False])
+        self.assertEqual(digest(output), before)
+        # A truncated view is not a finished one.
+        data = (output / "view_000.exr").read_bytes()
+        (output / "view_000.exr").write_bytes(data[:len(data) // 2])
+        self.assertEqual(self.render(output).returncode, DONE)
+        self.assertEqual(digest(output), before)
+
+    def test_stops_on_sigterm_and_goes_on(self):
+        output = self.folder / "stopped"
+        arguments = ["render", self.folder / "model", "--environment", self.environment, "--size", 256, "--spp", 400,
+                     "--views", "3", "-o", output]
+        process = subprocess.Popen([PROGRAM, *map(str, arguments)], stderr=subprocess.PIPE, text=True)
+        while process.poll() is None and not (output / "view_000.exr").exists():
+            time.sleep(0.02)
+        process.send_signal(signal.SIGTERM)
+        _, words = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, TRY_AGAIN, words)
+        self.assertIn("run the same command again", words)
+        self.assertFalse((output / "view_002.exr").exists())
+        self.assertEqual([p for p in output.rglob("*") if ".tmp" in p.name], [])
+
+    def test_full_disk_is_try_again(self):
+        # A file-size limit fails writes as a full disk does: in the middle of a file.
+        for limit in (0, 4096):
+            result = run("bake", self.scan, "--regions", self.folder / "regions", "--size", 512, "-o", self.folder / "full",
+                         file_size_limit=limit)
+            self.assertEqual(result.returncode, TRY_AGAIN, result.stderr)
+            self.assertFalse((self.folder / "full").exists())
+            result = self.render(self.folder / "full_samples", file_size_limit=limit)
+            self.assertEqual(result.returncode, TRY_AGAIN, result.stderr)
+            self.assertFalse((self.folder / "full_samples" / "view_000.exr").exists())
+        self.assertEqual(self.leftovers(), [])
+
+    def test_bad_usage(self):
+        self.expect_refusal(run("render"), "MODEL")
+        self.expect_refusal(run("rendre"), "rendre")
+        self.expect_refusal(self.render(self.folder / "x", "--spp", "many"), "spp")
+        self.expect_refusal(self.render(self.folder / "x", "--size", "0"), "size")
+        self.expect_refusal(self.render(self.folder / "x", "--views", "4:7"), "--views", "0 <= i < N")
+        self.expect_refusal(self.render(self.folder / "x", "--point", "1,2,3"), "--point", "x,y,z,I")
+        self.expect_refusal(run("render", self.folder / "model", "-o", self.folder / "x"), "no light", "--environment")
+        self.assertFalse((self.folder / "x").exists())
+
+    def test_bad_paths(self):
+        nowhere = self.folder / "nowhere"
+        self.expect_refusal(run("inspect", nowhere), "nowhere", "no such file")
+        self.expect_refusal(run("label", nowhere, "-o", self.folder / "x"), "nowhere")
+        self.expect_refusal(run("render", nowhere, "--environment", self.environment, "-o", self.folder / "x"), "nowhere")
+        self.expect_refusal(run("render", self.folder / "model", "--environment", nowhere, "-o", self.folder / "x"), "nowhere")
+        self.expect_refusal(self.render("/dev/null/x"), "/dev/null/x")
+        self.expect_refusal(run("label", self.scan, "-o", "/dev/null/x"), "/dev/null")
+        self.expect_refusal(run("label", self.scan, "-o", self.scan), "is a file")
+        self.assertFalse((self.folder / "x").exists())
+
+    def test_never_replaces_a_folder_of_the_users(self):
+        mine = self.folder / "mine"
+        mine.mkdir()
+        (mine / "thesis.tex").write_text("years of work")
+        self.expect_refusal(run("label", self.scan, "-o", mine), "was not written by this program")
+        self.assertEqual((mine / "thesis.tex").read_text(), "years of work")
+
+    def test_bad_environments(self):
+        cases = {"black.hdr": ((16, 8, (0, 0, 0, 0)), "all black"), "square.hdr": ((8, 8, (128, 128, 128, 129)), "2:1")}
+        for name, (arguments, words) in cases.items():
+            file = write_hdr(self.folder / name, *arguments)
+            self.expect_refusal(run("render", self.folder / "model", "--environment", file, "-o", self.folder / "x"), name, words)
+        twin = self.folder / "twin"
+        twin.mkdir()
+        shutil.copyfile(self.environment, twin / "grey.hdr")
+        self.expect_refusal(self.render(self.folder / "x", "--environment", twin / "grey.hdr"), "grey", "rename")
+        self.assertFalse((self.folder / "x").exists())
+
+    def test_broken_models(self):
+        def broken(name, change):
+            copy = self.folder / name
+            shutil.copytree(self.folder / "model", copy)
+            change(copy)
+            return run("render", copy, "--environment", self.environment, "-o", self.folder / "x")
+        a_map = next((self.folder / "model" / "maps").rglob("albedo.exr")).relative_to(self.folder / "model")
+        self.expect_refusal(broken("m1", lambda m: (m / "model.xml").unlink()), "model.xml")
+        self.expect_refusal(broken("m2", lambda m: (m / "model.xml").write_text("<model")), "model.xml")
+        self.expect_refusal(broken("m3", lambda m: (m / a_map).unlink()), "albedo.exr")
+        self.expect_refusal(broken("m4", lambda m: (m / a_map).write_bytes(b"")), "albedo.exr", "empty")
+        self.expect_refusal(broken("m5", lambda m: (m / a_map).write_bytes((m / a_map).read_bytes()[:200])), "albedo.exr")
+        self.expect_refusal(broken("m6", lambda m: (m / "mesh.obj").write_text("v 1 2 nan\n")), "mesh.obj")
+        self.expect_refusal(broken("m7", lambda m: (m / "faces.bin").write_bytes(b"abc")), "faces.bin")
+
+    def test_json_is_one_object_on_stdout(self):
+        for arguments in (["inspect", self.scan], ["label", self.scan, "-o", self.folder / "j1"],
+                          ["bake", self.scan, "--regions", self.folder / "regions", "--size", 32, "-o", self.folder / "j2"]):
+            result = run(*arguments, "--json")
+            self.assertEqual(result.returncode, DONE, result.stderr)
+            self.assertIsInstance(json.loads(result.stdout), dict)
+
+
+if __name__ == "__main__":
+    PROGRAM = os.path.abspath(sys.argv.pop(1))
+    unittest.main(verbosity=2)
