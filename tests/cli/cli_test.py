@@ -166,10 +166,12 @@ class Commands(unittest.TestCase):
     def test_bad_usage(self):
         self.expect_refusal(run("render"), "MODEL")
         self.expect_refusal(run("rendre"), "rendre")
-        self.expect_refusal(self.render(self.folder / "x", "--spp", "many"), "spp")
-        self.expect_refusal(self.render(self.folder / "x", "--size", "0"), "size")
-        self.expect_refusal(self.render(self.folder / "x", "--views", "4:7"), "--views", "0 <= i < N")
-        self.expect_refusal(self.render(self.folder / "x", "--point", "1,2,3"), "--point", "x,y,z,I")
+        for option, value, *words in (("--spp", "many", "--spp"), ("--size", "0", "--size"),
+                                      ("--views", "4:7", "--views 4:7", "0 <= i < N"),
+                                      ("--views", "none", "--views none"), ("--point", "1,2,3", "--point", "x,y,z,I")):
+            result = run("render", self.folder / "model", "--environment", self.environment, option, value, "-o",
+                         self.folder / "x")
+            self.expect_refusal(result, *words)
         self.expect_refusal(run("render", self.folder / "model", "-o", self.folder / "x"), "no light", "--environment")
         self.assertFalse((self.folder / "x").exists())
 
