@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
@@ -11,25 +12,43 @@ namespace {
 
 constexpr float kPi = 3.14159265358979323846f;
 
-void check_texels(const Image& image, const std::string& file) {
-  size_t bad = 0, first = 0, positive = 0;
-  for (size_t i = 0; i < image.values.size(); ++i) {
-    const float value = image.values[i];
-    if (!std::isfinite(value) || value < 0) {
-      if (bad++ == 0) first = i / image.channels;
-    } else if (value > 0) {
-      ++positive;
-    }
-  }
-  if (bad > 0)
-    throw InputError(
-        file,
-        "texel (" + std::to_string(first % image.width_px) + ", " + std::to_string(first / image.width_px) +
-            ")",
-        "is NaN, infinite or negative (" + std::to_string(bad) + " such values)",
-        "repair the picture: replace them by their neighbours, cut infinite suns to a finite value");
+// Resampling filters undershoot beside bright spots; Blender's own maps have up to 3e-7 of their light so.
+constexpr double kLargestUndershoot = 1e-4;
+
+[[noreturn]] void throw_bad_texel(const Image& image, const std::string& file, size_t first, size_t count,
+                                  const std::string& what) {
+  const size_t texel = first / image.channels;
+  throw InputError(
+      file,
+      "texel (" + std::to_string(texel % image.width_px) + ", " + std::to_string(texel / image.width_px) +
+          ")",
+      "is " + what + " (" + std::to_string(count) + " such values)",
+      "repair the picture: replace them by their neighbours, cut infinite suns to a finite value");
+}
+
+/// Index of the first value that is bad, and how many are.
+template <class Bad>
+std::pair<size_t, size_t> count_if_bad(const std::vector<float>& values, const Bad& bad) {
+  size_t first = 0, count = 0;
+  for (size_t i = 0; i < values.size(); ++i)
+    if (bad(values[i]) && count++ == 0) first = i;
+  return {first, count};
+}
+
+/// Refuses what is no radiance; sets slight undershoot to 0 and returns how many values that were.
+size_t mend_texels(Image& image, const std::string& file) {
+  const auto [not_finite, not_finite_count] =
+      count_if_bad(image.values, [](float v) { return !std::isfinite(v); });
+  if (not_finite_count > 0) throw_bad_texel(image, file, not_finite, not_finite_count, "NaN or infinite");
+  double positive = 0, negative = 0;
+  for (const float value : image.values) (value > 0 ? positive : negative) += std::fabs(value);
   if (positive == 0)
     throw InputError(file, "", "is all black: nothing would be lit", "use another environment");
+  const auto [below_zero, below_zero_count] = count_if_bad(image.values, [](float v) { return v < 0; });
+  if (negative > kLargestUndershoot * positive)
+    throw_bad_texel(image, file, below_zero, below_zero_count, "negative");
+  for (float& value : image.values) value = std::max(value, 0.0f);
+  return below_zero_count;
 }
 
 }  // namespace
@@ -52,7 +71,7 @@ Environment read_environment(const std::filesystem::path& file) {
     for (int c = 0; c < 3; ++c)
       environment.radiance.values[3 * i + c] =
           image.values[i * image.channels + (image.channels >= 3 ? c : 0)];
-  check_texels(environment.radiance, name);
+  environment.mended_values = mend_texels(environment.radiance, name);
   return environment;
 }
 

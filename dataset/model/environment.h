@@ -17,10 +17,12 @@ struct Environment {
   std::filesystem::path file;
   std::string sha256;
   Image radiance;
+  size_t mended_values = 0;  // negative ones of the file, set to 0
 };
 
-/// Throws InputError: not an image, aspect ratio other than 2:1, NaN, infinite or negative texel (naming the
-/// first one and how many), all black.
+/// Throws InputError: not an image, aspect ratio other than 2:1, NaN, infinite or negative texels (naming the
+/// first one and how many), all black. Negative values that together are below 1e-4 of the light, as
+/// resampling filters leave them beside bright spots, are set to 0 instead.
 Environment read_environment(const std::filesystem::path& file);
 
 /// Texture coordinates (u, v from the top) of a unit direction.

@@ -124,6 +124,17 @@ TEST(Environment, RefusesWhatWouldLightNothingOrEverything) {
   expect_message(input_error_of([&] { read_environment(folder.path()); }), {"is a folder"});
 }
 
+TEST(Environment, SlightUndershootIsSetToZero) {
+  const TemporaryFolder folder;
+  Image image = constant_radiance({1, 1, 1});
+  image.pixel(3, 2)[1] = -0.003f;
+  write_exr(folder / "ringing.exr", {{"rgb", {"R", "G", "B"}, ExrPart::Type::kFloat, image}}, {});
+  const Environment environment = read_environment(folder / "ringing.exr");
+  EXPECT_EQ(environment.mended_values, 1u);
+  EXPECT_EQ(environment.radiance.pixel(3, 2)[1], 0);
+  EXPECT_EQ(environment.radiance.pixel(3, 2)[0], 1);
+}
+
 TEST(AtomicFile, NothingHalfWrittenStays) {
   const TemporaryFolder folder;
   write_file_atomically(folder / "kept.txt", "old");
