@@ -347,11 +347,6 @@ def render_seeds(scene, folder, seeds):
     return rows
 
 
-def versions():
-    return {"blender": bpy.app.version_string, "build": bpy.app.build_hash.decode(errors="replace"),
-            "build_date": bpy.app.build_date.decode(errors="replace")}
-
-
 def run(path):
     folder = os.path.dirname(os.path.abspath(path))
     with open(path, encoding="utf-8") as file:
@@ -366,7 +361,7 @@ def run(path):
     load_s, load_cpu_s = timed(lambda: warm_up(scene, os.path.join(output, "warm_up.exr")))
     print("progress 0 %d" % len(description["seeds"]), flush=True)
     renders = render_seeds(scene, output, description["seeds"])
-    report = {"versions": versions(), "build_s": build_s, "load_s": load_s, "load_cpu_s": load_cpu_s,
+    report = {"versions": {"blender": bpy.app.version_string}, "build_s": build_s, "load_s": load_s, "load_cpu_s": load_cpu_s,
               "renders": renders, "settings": built[0].read_back()}
     with open(os.path.join(output, "report.json"), "w", encoding="utf-8") as file:
         json.dump(report, file, indent=1)

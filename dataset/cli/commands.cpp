@@ -16,12 +16,14 @@ void add_inspect_command(CLI::App& app, Commands& commands);
 void add_label_command(CLI::App& app, Commands& commands);
 void add_bake_command(CLI::App& app, Commands& commands);
 void add_render_command(CLI::App& app, Commands& commands);
+void add_validate_command(CLI::App& app, Commands& commands);
 
 void Commands::add_to(CLI::App& app) {
   add_inspect_command(app, *this);
   add_label_command(app, *this);
   add_bake_command(app, *this);
   add_render_command(app, *this);
+  add_validate_command(app, *this);
 }
 
 }  // namespace ohb

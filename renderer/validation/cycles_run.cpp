@@ -20,15 +20,15 @@ constexpr const char* kMend =
 /// The last line that says what went wrong: a Python exception or an error of Blender's.
 std::string reason_of(const std::vector<std::string>& lines) {
   for (auto line = lines.rbegin(); line != lines.rend(); ++line)
-    if (line->find("Error") != std::string::npos || line->find("rror:") != std::string::npos) return *line;
+    if (line->find("rror: ") != std::string::npos && line->find("script failed") == std::string::npos)
+      return *line;
   return lines.empty() ? "no output" : lines.back();
 }
 
 CyclesRun read_report(const fs::path& renders) {
   const json report = json::parse(read_file(renders / "report.json"));
   CyclesRun run;
-  run.version = report.at("versions").at("blender").get<std::string>() + " (" +
-                report.at("versions").at("build").get<std::string>() + ")";
+  run.version = report.at("versions").at("blender");
   run.load_s = report.at("build_s").get<double>() + report.at("load_s").get<double>();
   run.load_cpu_s = report.at("load_cpu_s");
   for (const json& row : report.at("settings"))

@@ -33,7 +33,7 @@ struct CyclesRender {
 };
 
 struct CyclesRun {
-  std::string version;                // Blender's version and build hash
+  std::string version;                // Blender's
   double load_s = 0, load_cpu_s = 0;  // scene, trees and tables, with one sample a pixel
   std::vector<CyclesRender> renders;  // in the order of the scene's seeds
   std::vector<CyclesSetting> settings;

@@ -1,0 +1,101 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "dataset/cli/commands.h"
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/error.h"
+#include "renderer/validation/report.h"
+
+namespace ohb {
+namespace fs = std::filesystem;
+namespace {
+
+struct Options {
+  std::string model, environment, view = "0/1", output;
+  ValidationSettings settings;
+};
+
+/// "k/n" with 0 <= k < n.
+void parse_view(const std::string& text, ValidationSettings& settings) {
+  char rest;
+  if (std::sscanf(text.c_str(), "%d/%d%c", &settings.view, &settings.view_count, &rest) != 2 ||
+      settings.view < 0 || settings.view_count < 1 || settings.view >= settings.view_count)
+    throw InputError("--view " + text, "", "is not k/n with 0 <= k < n", "write for example 25/100");
+}
+
+void print_summary(const Validation& v, const fs::path& output) {
+  std::printf("%-12s %9s  %s\n", "region", "pixels", "ours / Cycles - 1, 95 % interval");
+  for (const RegionRatio& region : v.regions)
+    std::printf("%-12s %9.0f  %+.3f %%  [%+.3f, %+.3f]\n", region.name.c_str(), region.weight_px,
+                100 * (region.total.value - 1), 100 * (region.total.low - 1), 100 * (region.total.high - 1));
+  std::printf("bins of 3 x 3 px accepted: %zu of %zu (%.2f %%); outline: %zu of %zu\n",
+              v.inside_bins.accepted, v.inside_bins.bins, 100 * v.inside_bins.accepted_share,
+              v.band_bins.accepted, v.band_bins.bins);
+  const SpeedRatio speed = speed_at_equal_error(v);
+  std::printf("an image: ours %.2f s, Cycles %.2f s; at equal error ours is %.2f times as fast\n",
+              v.our_cost.wall_s, v.cycles_cost.wall_s, speed.wall);
+  for (const std::string& reason : v.verdict.reasons) std::printf("%s\n", reason.c_str());
+  std::printf("%s: %s\n",
+              v.verdict.outcome == Outcome::kPass        ? "pass"
+              : v.verdict.outcome == Outcome::kUndecided ? "undecided"
+                                                         : "difference",
+              (output / "index.html").c_str());
+}
+
+int run_validate(Options options, const CommonOptions& common) {
+  ValidationSettings& settings = options.settings;
+  parse_view(options.view, settings);
+  settings.threads = common.threads;
+  settings.seed = common.seed;
+  const Model model = read_model(options.model);
+  const Environment environment = read_environment(options.environment);
+  AtomicFolder folder(options.output);
+  const fs::path scratch = folder.path() / "scene";
+  fs::create_directories(scratch);
+  const Validation validation = validate(model, environment, settings, scratch);
+  fs::remove_all(scratch);
+  write_validation(folder.path(), validation);
+  folder.commit();
+  if (common.json)
+    std::printf("%s", validation_json(validation).c_str());
+  else
+    print_summary(validation, options.output);
+  return validation.verdict.outcome == Outcome::kPass ? kExitDone : kExitDifference;
+}
+
+}  // namespace
+
+void add_validate_command(CLI::App& app, Commands& commands) {
+  CLI::App* command =
+      app.add_subcommand("validate", "The same view in Cycles of Blender 3.4 and here, compared");
+  auto options = std::make_shared<Options>();
+  ValidationSettings& settings = options->settings;
+  command->add_option("MODEL", options->model, "folder that bake wrote")->required();
+  command->add_option("--environment", options->environment, "latitude-longitude map, linear")->required();
+  command->add_option("--blender", settings.blender, "Blender 3.4 (default: blender in PATH)");
+  command->add_option("--view", options->view, "view k of n around the turn, k/n")->capture_default_str();
+  command->add_option("--size", settings.size_px, "width and height in pixels")
+      ->check(CLI::Range(8, 8192))
+      ->capture_default_str();
+  command->add_option("--spp", settings.spp, "paths a pixel of one image")
+      ->check(CLI::Range(1, 8192))
+      ->capture_default_str();
+  command->add_option("--seeds", settings.seeds, "images a side, each with its own seed")
+      ->check(CLI::Range(2, 1024))
+      ->capture_default_str();
+  command->add_option("--bounces", settings.max_bounces, "indirect bounces at most")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command->add_option("-o,--output", options->output, "folder for the report")->required();
+  add_common_options(*command, commands.common);
+  command->footer(
+      "Examples:\n"
+      "  openhumanbrdf validate model --environment studio.exr -o report\n"
+      "  openhumanbrdf validate model --environment sunset.exr --view 25/100 --size 512 --spp 256 -o report\n"
+      "Exit code 0: both agree; 1: a difference, or too few samples to tell; 2: bad input.");
+  command->callback([options, &commands] {
+    commands.run = [options, &commands] { return run_validate(*options, commands.common); };
+  });
+}
+
+}  // namespace ohb

@@ -1,0 +1,75 @@
+// One view of one model in Cycles and here, from K seeds a side, and what the comparison says.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "renderer/render.h"
+#include "renderer/validation/cycles_run.h"
+#include "renderer/validation/statistics.h"
+
+namespace ohb {
+
+/// What must hold for a pass.
+struct ValidationThresholds {
+  double ratio = 0.003;           // |ours / Cycles - 1| of every region, 95 % interval included
+  double accepted_share = 0.995;  // of the 3 x 3 bins, silhouette band apart
+  int seeds = 8;                  // at least so many a side
+  double least_region_px = 25;    // a class that covers less is shown and not judged
+};
+
+struct ValidationSettings {
+  int view = 0, view_count = 1;
+  int size_px = 256, spp = 128, seeds = 8, max_bounces = 32;
+  int threads = 0;  // 0: all
+  uint64_t seed = 1;
+  std::filesystem::path blender;  // empty: from PATH
+  ValidationThresholds thresholds;
+};
+
+enum class Outcome { kPass, kUndecided, kDifference };
+
+struct Verdict {
+  Outcome outcome = Outcome::kPass;
+  std::vector<std::string> reasons;  // sentences; for a pass what was shown
+};
+
+/// Time and noise of one side; all times are of one image (mean over the seeds), loading apart.
+struct SideCost {
+  double load_s = 0, wall_s = 0, cpu_s = 0;
+  double mean_squared_error = 0;  // of one image: mean of the variance over foreground pixels and channels
+};
+
+struct Validation {
+  std::string model_name, environment_name, blender_version;
+  ValidationSettings settings;
+  bool has_subsurface = false;  // the model has some, which both sides leave out
+  uint64_t nonfinite = 0;       // contributions of ours that were left out
+  std::vector<CyclesSetting> blender_settings;
+  PixelSets pixels;
+  Image coverage;  // ours, 1 channel
+  Moments ours, cycles;
+  std::vector<RegionRatio> regions;  // classes that occur, then "whole image"; outline included
+  RegionRatio band;                  // the outline alone
+  BinTest inside_bins, band_bins;
+  double coverage_ours = 0, coverage_cycles = 0;  // mean over the image
+  SideCost our_cost, cycles_cost;
+  Verdict verdict;
+};
+
+/// How many times sooner our renderer reaches Cycles' error: (time x squared error) of Cycles / ours.
+struct SpeedRatio {
+  double wall = 0, cpu = 0;
+};
+SpeedRatio speed_at_equal_error(const Validation& validation);
+
+/// The verdict of a validation whose other members are filled in.
+Verdict judge(const Validation& validation);
+
+/// Renders both sides and compares. `scratch` is an existing folder for the scene and Cycles' images.
+/// Subsurface is 0 on both sides. Throws InputError if Blender is missing, wrong, or fails.
+Validation validate(const Model& model, const Environment& environment, const ValidationSettings& settings,
+                    const std::filesystem::path& scratch);
+
+}  // namespace ohb

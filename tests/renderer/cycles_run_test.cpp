@@ -1,0 +1,72 @@
+// Starting Blender: what is refused, and that nothing stays behind.
+#include "renderer/validation/cycles_run.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <set>
+
+#include "dataset/model/atomic_file.h"
+#include "renderer/validation/cycles_scene.h"
+#include "renderer/validation/process.h"
+#include "tests/support/test_files.h"
+
+namespace ohb {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path script(const TemporaryFolder& folder, const std::string& name, const std::string& body) {
+  write_file_atomically(folder / name, "#!/bin/sh\n" + body + "\n");
+  fs::permissions(folder / name, fs::perms::owner_all);
+  return folder / name;
+}
+
+TEST(Process, GivesLinesExitCodeAndEnvironment) {
+  std::vector<std::string> lines;
+  const auto result = run_process({"sh", "-c", "echo $OHB_A; echo two >&2; exit 3"}, {{"OHB_A", "one"}},
+                                  [&](const std::string& line) { lines.push_back(line); });
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_EQ(lines, (std::vector<std::string>{"one", "two"}));
+  EXPECT_EQ(result.last_lines, lines);
+  EXPECT_EQ(run_process({"sh", "-c", "kill -9 $$"}, {}, nullptr).exit_code, 128 + 9);
+}
+
+TEST(Process, IsEndedWhenTheReaderThrows) {
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_THROW(run_process({"sh", "-c", "echo x; exec sleep 60"}, {},
+                           [](const std::string&) { throw std::runtime_error("stop"); }),
+               std::runtime_error);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+}
+
+TEST(Blender, MissingOrWrongOnesAreNamed) {
+  const TemporaryFolder folder;
+  expect_message(input_error_of([&] { find_blender(folder / "nowhere"); }),
+                 {"nowhere", "Blender was not found", "--blender"});
+  expect_message(input_error_of([&] { find_blender(script(folder, "new", "echo Blender 4.2.1 LTS")); }),
+                 {"new", "Blender 4.2.1", "3.4"});
+  expect_message(input_error_of([&] { find_blender(script(folder, "other", "echo hello")); }),
+                 {"does not answer"});
+  EXPECT_EQ(find_blender(script(folder, "right", "echo Blender 3.4.1")).version, "3.4.1");
+}
+
+TEST(Blender, FailureGivesItsReason) {
+  const TemporaryFolder folder;
+  write_file_atomically(folder / "scene.json", "{\"format\": \"another\"}");
+  expect_message(input_error_of([&] { run_cycles(find_blender({}), folder.path(), 1); }),
+                 {"stopped with code 1", "format 'another'"});
+  EXPECT_FALSE(fs::exists(folder / "blender"));
+}
+
+TEST(CyclesSeeds, AreDistinct31BitNumbers) {
+  const auto seeds = cycles_seeds(1, 100);
+  ASSERT_EQ(seeds.size(), 100u);
+  EXPECT_EQ(std::set<uint32_t>(seeds.begin(), seeds.end()).size(), 100u);
+  for (const uint32_t seed : seeds) EXPECT_LT(seed, 1u << 31);
+  EXPECT_NE(seeds, cycles_seeds(2, 100));
+  EXPECT_EQ(cycles_seeds(1, 3), std::vector<uint32_t>(seeds.begin(), seeds.begin() + 3));
+}
+
+}  // namespace
+}  // namespace ohb
