@@ -16,6 +16,7 @@ CanonicalMesh mesh_of(const Scan& scan, const Regions& regions, const BakeOption
   report.scan = mesh.model.source_file;
   report.scan_sha256 = mesh.model.source_sha256;
   report.unit_cm = mesh.model.source_unit_cm;
+  report.unit_reason = options.unit_reason;
   const Bounds bounds = bounds_of(mesh.model.positions_cm);
   for (int i = 0; i < 3; ++i) {
     report.shift_cm[i] = mesh.model.source_shift_cm[i];

@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "bake/bake_report.h"
 #include "bake/canonical_mesh.h"
@@ -18,13 +19,19 @@ namespace ohb {
 constexpr int kMaxMapSize_px = 8192;
 constexpr int kSizeWithoutPicture_px = 1024;
 
+/// Which way the green channel of a scan's normal map points: up (OpenGL), down (DirectX: turned over), or
+/// not known (read as up, with a warning).
+enum class GreenChannel { kUp, kDown, kUnclear };
+
 struct BakeOptions {
   /// Texels along the longer edge of each set's maps (the shorter keeps the picture's shape); 0: as many as
   /// the set's diffuse picture has, kSizeWithoutPicture_px without one, at most kMaxMapSize_px.
   int size_px = 0;
-  double unit_cm = 1;  // cm a unit of the scan
-  std::string name;    // of the model
-  bool quiet = true;   // no progress bar
+  double unit_cm = 1;               // cm a unit of the scan
+  std::string unit_reason;          // for the report
+  std::string name;                 // of the model
+  bool quiet = true;                // no progress bar
+  std::vector<GreenChannel> green;  // of each of the scan's materials; empty: all up
 };
 
 /// The material at a point from the share of each class there: the mean of specular, roughness and sss

@@ -38,6 +38,11 @@ std::vector<std::string> warnings_of(const BakeReport& report) {
     if (set.zero_length_normals > 0)
       warn(fmt::format("{} pixels of {} hold no direction and became flat", set.zero_length_normals,
                        set.normal));
+    if (set.normal_green == "unclear")
+      warn(
+          fmt::format("which way green points in {} cannot be told, it is read as up (OpenGL); say it with "
+                      "--normals opengl or directx",
+                      set.normal));
     if (set.centre_texels == 0)
       warn("no face covers the centre of any texel; bake with a larger --size or unwrap again");
   }
@@ -49,6 +54,7 @@ nlohmann::ordered_json to_json(const BakeReport& report) {
   json["scan"] = report.scan;
   json["scan_sha256"] = report.scan_sha256;
   json["unit_cm"] = report.unit_cm;
+  json["unit_reason"] = report.unit_reason;
   json["shift_cm"] = report.shift_cm;
   json["size_cm"] = report.size_cm;
   json["triangles"] = report.triangles;
@@ -77,7 +83,7 @@ nlohmann::ordered_json to_json(const BakeReport& report) {
                             {"diffuse", set.diffuse},
                             {"alpha", set.alpha},
                             {"normal", set.normal},
-                            {"normal_green_is_down", set.is_normal_green_down},
+                            {"normal_green", set.normal_green},
                             {"zero_length_normals", set.zero_length_normals}});
   json["warnings"] = warnings_of(report);
   return json;
@@ -87,6 +93,8 @@ std::string to_text(const BakeReport& report) {
   std::string text = fmt::format("{}: {} triangles, {:.1f} x {:.1f} x {:.1f} cm, {} texture set{}\n",
                                  report.scan, report.triangles, report.size_cm[0], report.size_cm[1],
                                  report.size_cm[2], report.sets.size(), report.sets.size() == 1 ? "" : "s");
+  if (!report.unit_reason.empty())
+    text += fmt::format("  unit: {} cm ({})\n", report.unit_cm, report.unit_reason);
   for (const SetReport& set : report.sets) {
     const double texels = double(set.width_px) * set.height_px;
     text += fmt::format(

@@ -25,7 +25,7 @@ struct SetReport {
   uint64_t uvs_outside = 0;  // corners beyond [0,1]: the map repeats
   double area_cm2 = 0, mirrored_area_cm2 = 0, area_without_texel_cm2 = 0;
   std::string diffuse, alpha, normal;  // file names of the pictures, "" without
-  bool is_normal_green_down = false;   // DirectX convention, turned over
+  std::string normal_green;            // "up", "down" (turned over) or "unclear" (read as up); "" without
   uint64_t zero_length_normals = 0;
 };
 
@@ -33,6 +33,7 @@ struct BakeReport {
   static constexpr size_t kListedFaces = 100;
   std::string scan, scan_sha256;
   double unit_cm = 1;
+  std::string unit_reason;  // given, or why it was taken
   double shift_cm[3] = {0, 0, 0};
   double size_cm[3] = {0, 0, 0};  // bounding box
   uint64_t triangles = 0, positions = 0;

@@ -175,7 +175,8 @@ NearestPoint nearest_point_of_texel(const TexelTriangle& triangle, int width_px,
   return nearest;
 }
 
-TexelCoverage cover_texels(const std::vector<UvTriangle>& triangles, int width_px, int height_px) {
+TexelCoverage cover_texels(const std::vector<UvTriangle>& triangles, int width_px, int height_px,
+                           CoveragePasses passes) {
   check_uvs(triangles);
   TexelCoverage coverage;
   coverage.width_px = width_px;
@@ -191,7 +192,8 @@ TexelCoverage cover_texels(const std::vector<UvTriangle>& triangles, int width_p
   tbb::parallel_for(size_t{0}, bands.size(), [&](size_t b) {
     BandPainter painter(bands[b], coverage);
     for (uint32_t t : bands[b].triangles) painter.paint_centres(in_texels[t], t);
-    for (uint32_t t : bands[b].triangles) painter.paint_footprints(in_texels[t], t);
+    if (passes == CoveragePasses::kCentresAndFootprints)
+      for (uint32_t t : bands[b].triangles) painter.paint_footprints(in_texels[t], t);
     centres += painter.centres();
     footprints += painter.footprints();
     overlapping += painter.overlapping();

@@ -39,7 +39,9 @@ struct TexelCoverage {
 /// lookups defined, and one that is smaller than a texel still owns one unless others own all around it;
 /// those are listed. UVs must be finite and within kMaxUv and kMaxUvSpan (std::logic_error).
 /// The result does not depend on the number of threads. Memory: 4 bytes a texel.
-TexelCoverage cover_texels(const std::vector<UvTriangle>& triangles, int width_px, int height_px);
+enum class CoveragePasses { kCentres, kCentresAndFootprints };
+TexelCoverage cover_texels(const std::vector<UvTriangle>& triangles, int width_px, int height_px,
+                           CoveragePasses passes = CoveragePasses::kCentresAndFootprints);
 
 /// The triangle in texel space, in the copy of the map that its UVs name.
 TexelTriangle to_texel_space(const UvTriangle& triangle, int width_px, int height_px);

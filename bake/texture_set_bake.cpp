@@ -158,12 +158,13 @@ void bake_albedo_and_alpha(const ScanMaterial& material, Image diffuse, Size siz
   set.alpha = resample(std::move(alpha), size.width_px, size.height_px, weights);
 }
 
-void bake_normal(const ScanMaterial& material, Size size, const SetTriangles& triangles, TextureSet& set,
-                 SetReport& report) {
+void bake_normal(const ScanMaterial& material, GreenChannel green, Size size, const SetTriangles& triangles,
+                 TextureSet& set, SetReport& report) {
   if (material.normal.empty()) return;
   report.normal = material.normal.file.filename().string();
+  report.normal_green = green == GreenChannel::kUp ? "up" : green == GreenChannel::kDown ? "down" : "unclear";
   Image normal =
-      read_normal_picture(material.normal, report.is_normal_green_down, report.zero_length_normals);
+      read_normal_picture(material.normal, green == GreenChannel::kDown, report.zero_length_normals);
   const ResampleWeights weights = weights_for(normal, size, triangles, nullptr);
   set.normal = resample(std::move(normal), size.width_px, size.height_px, weights);
   normalise_pixels(set.normal);
@@ -191,7 +192,8 @@ ClassMaterial mix_classes(const MaterialTable& table, const std::array<float, kC
 
 TextureSet bake_texture_set(const CanonicalMesh& mesh, const Scan& scan, uint16_t set_index,
                             const MaterialTable& table, const BakeOptions& options, SetReport& report) {
-  const ScanMaterial& material = scan.materials[mesh.material_of_set[set_index]];
+  const uint16_t scan_material = mesh.material_of_set[set_index];
+  const ScanMaterial& material = scan.materials[scan_material];
   const SetTriangles triangles = triangles_of(mesh.model, set_index);
   report.name = material.name;
   report.diffuse = material.diffuse.file.filename().string();
@@ -205,7 +207,8 @@ TextureSet bake_texture_set(const CanonicalMesh& mesh, const Scan& scan, uint16_
   TextureSet set;
   set.name = material.name;
   bake_albedo_and_alpha(material, std::move(diffuse), size, triangles, set);
-  bake_normal(material, size, triangles, set, report);
+  bake_normal(material, options.green.empty() ? GreenChannel::kUp : options.green[scan_material], size,
+              triangles, set, report);
   for (Image* image : {&set.roughness, &set.specular, &set.sss, &set.displacement, &set.valid})
     *image = Image(size.width_px, size.height_px, 1);
   fill_from_owners(mesh.model, triangles, coverage, table, set);

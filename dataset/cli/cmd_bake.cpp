@@ -9,7 +9,7 @@ namespace ohb {
 namespace {
 
 struct Options {
-  std::string scan, regions, materials, unit, name, output;
+  std::string scan, regions, materials, unit, name, normals = "auto", output;
   int size_px = 0;
 };
 
@@ -20,6 +20,8 @@ int run_bake(const Options& options, const CommonOptions& common) {
   job.materials = options.materials;
   job.unit = options.unit;
   job.name = options.name;
+  job.normals = options.normals;
+  job.quiet = common.json;
   job.size_px = options.size_px;
   job.output = options.output;
   const BakeReport report = bake_scan(job);
@@ -42,6 +44,11 @@ void add_bake_command(CLI::App& app, Commands& commands) {
       ->check(CLI::Range(1, kMaxMapSize_px));
   command->add_option("--unit", options->unit, "unit of the scan: mm, cm, m or inch (default: guessed)");
   command->add_option("--name", options->name, "name of the model (default: that of the scan's file)");
+  command
+      ->add_option(
+          "--normals", options->normals,
+          "green of the scan's normal maps: opengl (up), directx (down), auto (told from the picture)")
+      ->capture_default_str();
   command->add_option("-o,--output", options->output, "folder for the model")->required();
   add_common_options(*command, commands.common);
   command->footer(

@@ -3,27 +3,77 @@
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
+#include "dataset/model/mesh_topology.h"
 #include "dataset/model/scan_unit.h"
+#include "dataset/production/normal_convention.h"
+#include "dataset/production/uv_layout.h"
 
 namespace ohb {
-BakeReport bake_scan(const BakeJob& job) {
-  AtomicFolder folder(job.output);
-  const Regions regions = read_regions(job.regions);
-  const MaterialTable table =
-      read_material_table(job.materials.empty() ? program_file("assets/materials.xml") : job.materials);
-  const std::string scan_sha256 = sha256_of_file(job.scan);
-  if (regions.scan_sha256 != scan_sha256)
+namespace {
+
+Regions regions_of_scan(const BakeJob& job) {
+  Regions regions = read_regions(job.regions);
+  if (regions.scan_sha256 != sha256_of_file(job.scan))
     throw InputError(
         job.regions.string(), "",
         "was made from another scan than " + job.scan.filename().string() + " (the hash of the file differs)",
         "run `label` on this scan");
+  return regions;
+}
+
+GreenChannel green_of(const Scan& scan, const std::vector<ScanTriangle>& triangles,
+                      const MeshTopology& topology, const std::vector<uint32_t>& chart_of_face,
+                      uint16_t material) {
+  ImageFileInfo info;
+  Image image = read_image(scan.materials[material].normal, &info);
+  if (image.channels < 3) return GreenChannel::kUp;  // the bake refuses it
+  if (info.is_float)
+    for (float& value : image.values) value = 0.5f + 0.5f * value;
+  const UvRaster raster = rasterise_uvs(scan, triangles, topology, material, image.width_px, image.height_px);
+  std::vector<uint32_t> region(static_cast<size_t>(image.width_px) * image.height_px, kNoRegion);
+  for (size_t i = 0; i < raster.face.size(); ++i)
+    if (raster.face[i] != kNoFace) region[i] = chart_of_face[raster.face[i]];
+  switch (detect_normal_convention(image, region).convention) {
+    case NormalConvention::kDirectX:
+      return GreenChannel::kDown;
+    case NormalConvention::kUnclear:
+      return GreenChannel::kUnclear;
+    default:
+      return GreenChannel::kUp;
+  }
+}
+
+std::vector<GreenChannel> green_channels(const Scan& scan, const std::string& normals) {
+  if (normals != "auto" && normals != "opengl" && normals != "directx")
+    throw InputError("--normals", "", "'" + normals + "' is not known", "write auto, opengl or directx");
+  std::vector<GreenChannel> green(scan.materials.size(),
+                                  normals == "directx" ? GreenChannel::kDown : GreenChannel::kUp);
+  if (normals != "auto") return green;
+  const std::vector<ScanTriangle> triangles = triangulate(scan);
+  const MeshTopology topology = mesh_topology(scan);
+  const std::vector<uint32_t> chart_of_face = uv_charts(scan);
+  for (size_t m = 0; m < green.size(); ++m)
+    if (!scan.materials[m].normal.empty())
+      green[m] = green_of(scan, triangles, topology, chart_of_face, static_cast<uint16_t>(m));
+  return green;
+}
+
+}  // namespace
+
+BakeReport bake_scan(const BakeJob& job) {
+  AtomicFolder folder(job.output);
+  const Regions regions = regions_of_scan(job);
+  const MaterialTable table =
+      read_material_table(job.materials.empty() ? program_file("assets/materials.xml") : job.materials);
   const Scan scan = read_scan(job.scan);
+  const std::optional<std::string> unit = job.unit.empty() ? std::nullopt : std::optional(job.unit);
   BakeOptions options;
   options.size_px = job.size_px;
-  options.unit_cm =
-      resolve_unit_cm(scan, job.unit.empty() ? std::nullopt : std::optional<std::string>(job.unit));
+  options.unit_cm = resolve_unit_cm(scan, unit);
   options.name = job.name.empty() ? job.scan.stem().string() : job.name;
   options.quiet = job.quiet;
+  options.green = green_channels(scan, job.normals);
+  options.unit_reason = unit ? "as given" : guess_unit(scan).reason;
   BakeReport report = bake_to_folder(scan, regions, table, options, folder.path());
   folder.commit();
   return report;

@@ -14,6 +14,7 @@ struct BakeJob {
   std::string unit;                 // as --unit; empty: guessed
   std::string name;                 // empty: the scan's file name without extension
   int size_px = 0;                  // BakeOptions::size_px
+  std::string normals = "auto";     // of the scan's normal maps: opengl, directx, or told from the pictures
   std::filesystem::path output;     // MODEL folder, written whole or not at all
   bool quiet = false;
 };

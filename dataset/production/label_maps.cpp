@@ -75,7 +75,8 @@ void add_colours(const MaterialTriangles& triangles, const Image& picture, Vec3f
     for (int c = 0; c < 3; ++c) sums[face].value[c] += pixel[c];
     ++sums[face].count;
   };
-  const TexelCoverage coverage = cover_texels(triangles.uvs, picture.width_px, picture.height_px);
+  const TexelCoverage coverage =
+      cover_texels(triangles.uvs, picture.width_px, picture.height_px, CoveragePasses::kCentres);
   for (size_t i = 0; i < coverage.owner.size(); ++i)
     if (coverage.owner[i] != TexelCoverage::kNone)
       add(triangles.face[coverage.owner[i]], &picture.values[3 * i]);

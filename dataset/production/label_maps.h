@@ -10,9 +10,9 @@
 
 namespace ohb {
 
-/// Mean diffuse colour of each face, linear Rec. 709: the average of the texels of its picture that it covers
-/// (of the nearest one where it covers none), times the diffuse factor; the factor alone without a picture or
-/// without UVs. Throws InputError for a picture that cannot be read.
+/// Mean diffuse colour of each face, linear Rec. 709: the average of the texels of its picture whose centre
+/// it holds (the one at its middle if it holds none), times the diffuse factor; the factor alone without a
+/// picture or without UVs. Throws InputError for a picture that cannot be read.
 std::vector<Vec3f> mean_face_colours(const Scan& scan);
 
 /// Writes maps/<material>/classes.png (8 bit: the class index of the face that each texel shows, nearest, 255
