@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/checked_output.h"
 #include "dataset/model/error.h"
 #include "dataset/model/oiio_compat.h"
 
@@ -145,16 +146,23 @@ OIIO::ImageSpec spec_of(const ExrPart& part, const ExrAttributes& attributes) {
   return spec;
 }
 
-void check_written(bool done, OIIO::ImageOutput& output, const fs::path& file) {
-  if (done) return;
-  const std::string reason = output.geterror();
-  std::error_code ignored;
-  const fs::space_info space = fs::space(file.parent_path().empty() ? "." : file.parent_path(), ignored);
-  if (!ignored && space.available < (1u << 20))
-    throw TryAgainError(file.string(), "cannot be written: disk full",
-                        "free some space and run the command again");
-  throw TryAgainError(file.string(), "cannot be written (" + reason + ")",
-                      "check the disk and run the command again");
+void check_written(bool done, OIIO::ImageOutput& output, const CheckedOutput& bytes, const fs::path& file) {
+  if (done && bytes.error() == 0) return;
+  const std::string reason = bytes.error() ? std::strerror(bytes.error()) : output.geterror();
+  throw TryAgainError(file.string(), "cannot be written: " + reason,
+                      "check the disk, free some space and run the command again");
+}
+
+/// The values to write: those of the part, or a clamped copy if a half cannot hold some of them.
+const std::vector<float>& writable_values(const ExrPart& part, std::vector<float>& copy) {
+  const std::vector<float>& values = part.image.values;
+  const bool fits =
+      part.type == ExrPart::Type::kFloat ||
+      std::none_of(values.begin(), values.end(), [](float v) { return std::abs(v) > kHalfMax; });
+  if (fits) return values;
+  copy = values;
+  clamp_to_half(copy);
+  return copy;
 }
 
 }  // namespace
@@ -183,17 +191,21 @@ void write_exr(const fs::path& file, const std::vector<ExrPart>& parts, const Ex
     auto output = OIIO::ImageOutput::create("exr");
     if (!output) throw std::logic_error("OpenImageIO has no EXR writer");
     const std::string name = temporary.string();
+    CheckedOutput bytes(name);
+    output->set_ioproxy(&bytes);
     check_written(parts.size() == 1 ? output->open(name, specs[0])
                                     : output->open(name, static_cast<int>(specs.size()), specs.data()),
-                  *output, file);
+                  *output, bytes, file);
     for (size_t i = 0; i < parts.size(); ++i) {
       if (i > 0)
-        check_written(output->open(name, specs[i], OIIO::ImageOutput::AppendSubimage), *output, file);
-      std::vector<float> values = parts[i].image.values;
-      if (parts[i].type == ExrPart::Type::kHalf) clamp_to_half(values);
-      check_written(output->write_image(OIIO::TypeDesc::FLOAT, values.data()), *output, file);
+        check_written(output->open(name, specs[i], OIIO::ImageOutput::AppendSubimage), *output, bytes, file);
+      std::vector<float> copy;
+      const std::vector<float>& values = writable_values(parts[i], copy);
+      check_written(output->write_image(OIIO::TypeDesc::FLOAT, values.data()), *output, bytes, file);
     }
-    check_written(output->close(), *output, file);
+    const bool is_closed = output->close();
+    bytes.close();
+    check_written(is_closed, *output, bytes, file);
   });
 }
 
@@ -229,9 +241,13 @@ void write_png(const fs::path& file, const Image& image, int bits) {
   write_file_atomically(file, [&](const fs::path& temporary) {
     auto output = OIIO::ImageOutput::create("png");
     if (!output) throw std::logic_error("OpenImageIO has no PNG writer");
-    check_written(output->open(temporary.string(), spec), *output, file);
-    check_written(output->write_image(OIIO::TypeDesc::FLOAT, values.data()), *output, file);
-    check_written(output->close(), *output, file);
+    CheckedOutput bytes(temporary.string());
+    output->set_ioproxy(&bytes);
+    check_written(output->open(temporary.string(), spec), *output, bytes, file);
+    check_written(output->write_image(OIIO::TypeDesc::FLOAT, values.data()), *output, bytes, file);
+    const bool is_closed = output->close();
+    bytes.close();
+    check_written(is_closed, *output, bytes, file);
   });
 }
 

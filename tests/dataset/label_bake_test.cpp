@@ -349,18 +349,21 @@ TEST(LabelBake, FullDiskIsToldApartAndLeavesNothing) {
   Square square;
   label_scan(square.label);
   const size_t before = entries_of(square.folder.path());
-  EXPECT_EQ(exit_code_of(start_bake(square, 300)), kExitTryAgain);
-  EXPECT_EQ(entries_of(square.folder.path()), before);
+  // Where in a file the disk is full must not matter: header, texels, or what buffers hold back to the end.
+  for (rlim_t largest_file : {20, 300, 600}) {
+    EXPECT_EQ(exit_code_of(start_bake(square, largest_file)), kExitTryAgain) << largest_file;
+    EXPECT_EQ(entries_of(square.folder.path()), before);
+  }
   EXPECT_EQ(exit_code_of(start_bake(square, RLIM_INFINITY)), kExitDone);
   EXPECT_EQ(entries_of(square.folder.path()), before + 1);
 }
 
 TEST(LabelBake, KilledHalfwayLeavesNoModel) {
   Square square;
-  write_small_png(square.folder / "p.png", 3, 2048);
+  write_small_png(square.folder / "p.png", 3, 1024);
   label_scan(square.label);
   const pid_t child = start_bake(square, RLIM_INFINITY);
-  ::usleep(200000);
+  ::usleep(100000);
   ::kill(child, SIGKILL);
   if (exit_code_of(child) == kExitDone) GTEST_SKIP() << "the bake was faster than the kill";
   EXPECT_FALSE(fs::exists(square.bake.output));

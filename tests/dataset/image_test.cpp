@@ -1,0 +1,65 @@
+#include "dataset/model/image.h"
+
+#include <sys/resource.h>
+
+#include <csignal>
+
+#include "dataset/model/atomic_file.h"
+#include "tests/support/test_files.h"
+
+namespace ohb {
+namespace {
+
+/// This process may write files of that size only, while this lives: the kernel refuses more, as a full disk.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    handler_ = ::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    ::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int) = nullptr;
+};
+
+TEST(Image, FullDiskIsNoticedWhereverInTheFileItStrikes) {
+  const TemporaryFolder folder;
+  Image image(64, 64, 3);
+  for (size_t i = 0; i < image.values.size(); ++i)
+    image.values[i] = static_cast<float>(i * 7919 % 1000) / 1000;
+  const std::vector<ExrPart> one = {{"a", {"R", "G", "B"}, ExrPart::Type::kHalf, image}};
+  const std::vector<ExrPart> two = {one[0], {"b", {"X", "Y", "Z"}, ExrPart::Type::kFloat, image}};
+  const std::vector<std::pair<const char*, std::function<void(const std::filesystem::path&)>>> writers = {
+      {"one.exr", [&](const auto& file) { write_exr(file, one, {}); }},
+      {"two.exr",
+       [&](const auto& file) {
+         write_exr(file, two, {{"ohb:seed", "1"}});
+       }},
+      {"image.png", [&](const auto& file) { write_png(file, image); }},
+      {"text.txt", [&](const auto& file) { write_file_atomically(file, std::string(5000, 'x')); }}};
+  for (const auto& [name, write] : writers) {
+    write(folder / "whole");
+    const auto size = static_cast<rlim_t>(std::filesystem::file_size(folder / "whole"));
+    for (rlim_t limit : {rlim_t{0}, rlim_t{1}, size / 4, size / 2, size - 200, size - 1}) {
+      const FileSizeLimit full_disk(limit);
+      EXPECT_THROW(write(folder / name), TryAgainError) << name << " at " << limit << " of " << size;
+    }
+    {
+      const FileSizeLimit just_enough(size);
+      EXPECT_NO_THROW(write(folder / name)) << name;
+    }
+    std::filesystem::remove(folder / name);
+    std::filesystem::remove(folder / "whole");
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << name << " left something behind";
+  }
+}
+
+}  // namespace
+}  // namespace ohb
