@@ -48,11 +48,11 @@ void add(Vec3f contribution, Vec3f& sum, TileResult& tile) {
 
 template <bool kCutouts>
 void sample_lights(const PathContext& c, const SurfacePoint& point, const PrincipledV1& bsdf,
-                   Vec3f throughput, Random& random, TileResult& tile, std::vector<Vec3f>& radiance) {
+                   Vec3f throughput, PathSampler& sampler, TileResult& tile, std::vector<Vec3f>& radiance) {
   // One pair of numbers for all lights: each light's image is unbiased by itself.
-  const float u1 = random.next(), u2 = random.next();
+  const Vec2f u = sampler.next_pair();
   for (size_t l = 0; l < c.lights.environments.size(); ++l) {
-    const LightSample light = c.lights.environments[l].sample(u1, u2);
+    const LightSample light = c.lights.environments[l].sample(u.x, u.y);
     if (!(light.pdf > 0) || !(max_component(light.radiance) > 0)) continue;
     const Vec3f wi = c.to_subject(light.wi);
     const BsdfValue f = bsdf.eval(wi);
@@ -91,13 +91,13 @@ void add_environments(const PathContext& c, Vec3f direction, float bsdf_pdf, Vec
 }
 
 template <bool kCutouts>
-void trace_path(const PathContext& c, Ray ray, Random& random, TileResult& tile,
+void trace_path(const PathContext& c, Ray ray, PathSampler& sampler, TileResult& tile,
                 std::vector<Vec3f>& radiance) {
   Vec3f throughput{1, 1, 1};
   float bsdf_pdf = 0;
   for (int bounce = 0;; ++bounce) {
     Hit hit;
-    if (!intersect<kCutouts>(c.scene, ray, random, tile.rays, hit)) {
+    if (!intersect<kCutouts>(c.scene, ray, sampler.random, tile.rays, hit)) {
       // The camera sees no background: it is transparent.
       if (bounce > 0) add_environments(c, ray.direction, bsdf_pdf, throughput, tile, radiance);
       return;
@@ -105,16 +105,16 @@ void trace_path(const PathContext& c, Ray ray, Random& random, TileResult& tile,
     if (bounce > c.max_bounces) return;
     if (bounce >= kRouletteFromBounce) {
       const float survive = std::fmin(1.0f, std::sqrt(max_component(throughput)));
-      if (!(random.next() < survive)) return;
+      if (!(sampler.random.next() < survive)) return;
       throughput *= 1 / survive;
     }
     const Vec3f wo = -ray.direction;
     const SurfacePoint point = surface_at(c.scene, hit, wo);
     const PrincipledV1 bsdf = bsdf_at(point, wo, bounce == 0);
     if (bsdf.is_black()) return;
-    sample_lights<kCutouts>(c, point, bsdf, throughput, random, tile, radiance);
-    const float u0 = random.next(), u1 = random.next(), u2 = random.next();
-    const BsdfSample next = bsdf.sample(u0, u1, u2);
+    sample_lights<kCutouts>(c, point, bsdf, throughput, sampler, tile, radiance);
+    const Vec2f u_lobe = sampler.next_pair(), u = sampler.next_pair();
+    const BsdfSample next = bsdf.sample(u_lobe.x, u.x, u.y);
     if (!(next.pdf > 0) || !(max_component(next.value) > 0)) return;
     throughput *= next.value / next.pdf;
     bsdf_pdf = next.pdf;
@@ -135,12 +135,12 @@ TileResult render_tile(const PathContext& c, const ViewCamera& camera, const Ren
       const uint64_t pixel =
           static_cast<uint64_t>(y) * static_cast<uint64_t>(settings.size_px) + static_cast<uint64_t>(x);
       for (int s = 0; s < settings.spp; ++s) {
-        Random random(settings.seed, pixel, static_cast<uint64_t>(s));
-        const float jitter_x = random.next(), jitter_y = random.next();
+        PathSampler sampler(settings.seed, pixel, static_cast<uint32_t>(s));
+        const Vec2f jitter = sampler.next_pair();
         const bool centre = s == 0 && settings.first_sample_at_centre;
-        const Ray ray = camera.ray(static_cast<float>(x) + (centre ? 0.5f : jitter_x),
-                                   static_cast<float>(y) + (centre ? 0.5f : jitter_y));
-        trace_path<kCutouts>(c, ray, random, tile, radiance);
+        const Ray ray = camera.ray(static_cast<float>(x) + (centre ? 0.5f : jitter.x),
+                                   static_cast<float>(y) + (centre ? 0.5f : jitter.y));
+        trace_path<kCutouts>(c, ray, sampler, tile, radiance);
       }
       for (size_t l = 0; l < radiance.size(); ++l) {
         float* out = images[l].radiance.pixel(x, y);

@@ -39,6 +39,73 @@ class Random {
   uint64_t state_, increment_;
 };
 
+/// The first 32 bits of x in reverse order.
+inline uint32_t reverse_bits(uint32_t x) {
+  x = __builtin_bswap32(x);
+  x = ((x & 0x0f0f0f0fu) << 4) | ((x >> 4) & 0x0f0f0f0fu);
+  x = ((x & 0x33333333u) << 2) | ((x >> 2) & 0x33333333u);
+  return ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
+}
+
+/// Owen scrambling of a 32-bit fraction, by the permutation of Laine and Karras as Burley uses it ("Practical
+/// Hash-based Owen Scrambling", JCGT 2020, section 3).
+inline uint32_t owen_scramble(uint32_t x, uint32_t seed) {
+  x = reverse_bits(x);
+  x += seed;
+  x ^= x * 0x6c50b47cu;
+  x ^= x * 0xb82f1e52u;
+  x ^= x * 0xc7afe638u;
+  x ^= x * 0x8d22f6e6u;
+  return reverse_bits(x);
+}
+
+/// Point `index` of Sobol's first two dimensions, as 32-bit fractions. The second dimension's generator is
+/// Pascal's triangle modulo 2: digit r is the exclusive or of the index bits j that contain r.
+inline void sobol_pair(uint32_t index, uint32_t& x, uint32_t& y) {
+  x = reverse_bits(index);
+  index ^= (index & 0xaaaaaaaau) >> 1;
+  index ^= (index & 0xccccccccu) >> 2;
+  index ^= (index & 0xf0f0f0f0u) >> 4;
+  index ^= (index & 0xff00ff00u) >> 8;
+  index ^= (index & 0xffff0000u) >> 16;
+  y = reverse_bits(index);
+}
+
+/// The numbers of one path. The leading pairs (pixel position, and light, lobe and direction at the first
+/// two surfaces) are Owen-scrambled Sobol points, shuffled pair by pair (Burley 2020, padding): the samples
+/// of a pixel are stratified there. Everything after them is independent.
+class PathSampler {
+ public:
+  static constexpr int kStratifiedPairs = 7;
+
+  PathSampler(uint64_t seed, uint64_t pixel, uint32_t sample)
+      : random(seed, pixel, sample),
+        key_(mix_bits(mix_bits(seed ^ 0x2545f4914f6cdd1dull) ^ pixel)),
+        sample_(sample) {}
+
+  Vec2f next_pair() {
+    if (pair_ >= kStratifiedPairs) {
+      const float x = random.next();
+      return {x, random.next()};
+    }
+    const uint64_t bits = mix_bits(key_ + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(++pair_));
+    const uint64_t more = mix_bits(bits);
+    uint32_t x, y;
+    sobol_pair(owen_scramble(sample_, static_cast<uint32_t>(bits)), x, y);
+    return {fraction(owen_scramble(x, static_cast<uint32_t>(bits >> 32))),
+            fraction(owen_scramble(y, static_cast<uint32_t>(more)))};
+  }
+
+  Random random;
+
+ private:
+  static float fraction(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+
+  uint64_t key_;
+  uint32_t sample_;
+  int pair_ = 0;
+};
+
 /// An orthonormal frame about a unit vector (Duff et al. 2017).
 struct Frame {
   Vec3f s, t, n;

@@ -1,0 +1,70 @@
+// The stratified numbers of a path.
+#include "renderer/sampling.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <vector>
+
+namespace ohb {
+namespace {
+
+// Sobol's second dimension by its direction numbers (primitive polynomial x + 1, m1 = 1).
+uint32_t second_dimension_by_direction_numbers(uint32_t index) {
+  uint32_t result = 0;
+  for (uint32_t v = 1u << 31; index != 0; index >>= 1, v ^= v >> 1)
+    if (index & 1) result ^= v;
+  return result;
+}
+
+TEST(Sobol, SecondDimensionEqualsItsDirectionNumbers) {
+  Random random(1, 2, 3);
+  for (uint32_t i = 0; i < 5000; ++i) {
+    const uint32_t index = i < 1000 ? i : random.next_bits();
+    uint32_t x, y;
+    sobol_pair(index, x, y);
+    EXPECT_EQ(y, second_dimension_by_direction_numbers(index));
+  }
+}
+
+TEST(PathSampler, EveryElementaryIntervalHoldsOnePoint) {
+  for (const int log2_count : {4, 6, 8})
+    for (uint64_t pixel = 0; pixel < 5; ++pixel) {
+      const uint32_t count = 1u << log2_count;
+      std::vector<std::vector<Vec2f>> pairs(PathSampler::kStratifiedPairs);
+      for (uint32_t s = 0; s < count; ++s) {
+        PathSampler sampler(42, pixel, s);
+        for (auto& pair : pairs) pair.push_back(sampler.next_pair());
+      }
+      for (const auto& points : pairs)
+        for (int columns = 0; columns <= log2_count; ++columns) {
+          std::set<std::pair<int, int>> cells;
+          for (const Vec2f p : points)
+            cells.insert({static_cast<int>(p.x * static_cast<float>(1 << columns)),
+                          static_cast<int>(p.y * static_cast<float>(1 << (log2_count - columns)))});
+          EXPECT_EQ(cells.size(), count);
+        }
+    }
+}
+
+TEST(PathSampler, PixelsSeedsAndPairsAreUncorrelated) {
+  // Correlation of 20000 numbers between neighbours: 5 standard deviations are 0.035.
+  constexpr int kCount = 20000;
+  for (int kind = 0; kind < 3; ++kind) {
+    double xy = 0, mean_a = 0, mean_b = 0;
+    for (uint64_t i = 0; i < kCount; ++i) {
+      PathSampler a(7, i, 3), b(kind == 0 ? 8 : 7, kind == 1 ? i + 1 : i, 3);
+      double u = a.next_pair().x, v = b.next_pair().x;
+      if (kind == 2) v = b.next_pair().x;
+      xy += (u - 0.5) * (v - 0.5) * 12;
+      mean_a += u - 0.5;
+      mean_b += v - 0.5;
+    }
+    EXPECT_LT(std::abs(xy / kCount), 0.035) << kind;
+    EXPECT_LT(std::abs(mean_a / kCount), 5 * 0.2887 / std::sqrt(kCount)) << kind;
+    EXPECT_LT(std::abs(mean_b / kCount), 5 * 0.2887 / std::sqrt(kCount)) << kind;
+  }
+}
+
+}  // namespace
+}  // namespace ohb
