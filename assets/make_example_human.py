@@ -152,7 +152,7 @@ def main():
     weight = 1.0 + 0.75 * np.clip(1.4 * detail_weight(vertices[faces].mean(1)), 0, 1)
     for number in np.unique(part):                       # one scale per chart region
         weight[part == number] = weight[part == number].mean()
-    weight[np.isin(part, (clothes.SKIN_HEAD, clothes.BEARD))] = 1.8
+    weight[np.isin(part, (clothes.SKIN_HEAD, clothes.BEARD))] = 2.2
     uv_px, image, _, overlap = atlas.make_atlas(vertices, faces, part, weight, log)
     row, column, samples = texture.surface_samples(vertices, faces, uv_px, image, face_class, grid)
     log("sampled %d texels" % len(row))

@@ -4,8 +4,8 @@ import bpy
 import numpy as np
 
 from . import clothes
-from .body import hand_frame, mirrored
-from .clothes import boot_frame, leg_coordinate, sleeve_coordinates
+from .body import FINGERS, hand_frame, mirrored
+from .clothes import boot_frame, leg_coordinate, sleeve_coordinates, sleeve_side
 from .mesher import components
 
 ATLAS_PX = 2048
@@ -18,24 +18,51 @@ def chart_keys(centre, normal, part):
     q = mirrored(centre)
     left = (centre[:, 0] > 0).astype(int)
     key = part * 100
-    angle = np.abs(np.degrees(np.arctan2(centre[:, 0], centre[:, 2] + 0.5)))
     on = np.isin(part, (clothes.SKIN_HEAD, clothes.BEARD))
-    key = np.where(on, 1 + (angle > 112), key)
+    key = np.where(on, _head_keys(centre, normal, left), key)
     key = np.where(part == clothes.SCALP, 310 + left, key)
     for hand, side in ((clothes.SKIN_HAND_L, 1), (clothes.SKIN_HAND_R, -1)):
-        n = np.stack([normal[:, 0] * side, normal[:, 1], normal[:, 2]], 1)
-        from .body import HAND_N
-        key = np.where(part == hand, hand * 100 + (n @ HAND_N > 0), key)
+        on = part == hand
+        key[on] = hand * 100 + _hand_keys(hand_frame(centre[on], side))
     reach, _, _, _ = sleeve_coordinates(q)
+    on_sleeve = sleeve_side(q) > 0
     trunk = np.where(centre[:, 2] > -0.6, 0, 1) * 2 + np.where(centre[:, 2] > -0.6, left, 0)
     sleeve = 10 + 2 * left + (centre[:, 2] > -1.8 + 0.09 * np.clip(reach - 30, 0, 30))
-    key = np.where(part == clothes.JACKET, 600 + np.where(reach > 3.2, sleeve, trunk), key)
+    key = np.where(part == clothes.JACKET, 600 + np.where(on_sleeve, sleeve, trunk), key)
     _, leg_z = leg_coordinate(q)
     key = np.where(part == clothes.JEANS, 700 + 2 * left + (leg_z > -0.3), key)
     key = np.where(part == clothes.BELT, 800 + (centre[:, 2] > 0), key)
     b = boot_frame(centre)
     zone = np.where((normal[:, 1] < -0.6) & (b[:, 1] < 2.2), 0, np.where(b[:, 0] > 0, 1, 2))
     return np.where(part == clothes.BOOTS, 900 + 10 * left + zone, key)
+
+
+def _head_keys(p, normal, left):
+    """Face, the two sides with their ears, throat, nape."""
+    angle = np.abs(np.degrees(np.arctan2(p[:, 0], p[:, 2] - 1.0)))
+    jaw = p[:, 1] < 152.2 + 0.40 * (9.0 - p[:, 2]) + 0.6
+    side = 3 + left
+    ear = (np.abs(p[:, 0]) > 7.35) & (p[:, 1] > 158.5) & (p[:, 2] < 1.6)
+    key = np.where(angle < 62, 1, np.where(angle < 118, side, 2))
+    key = np.where(jaw & (angle < 118), 5, key)
+    return np.where(ear, 10 + 2 * left + (normal[:, 2] < -0.15), key)
+
+
+def _hand_keys(h):
+    """Palm and back, fingers and thumb, each in an upper and a lower half."""
+    finger = np.zeros(len(h), int)
+    best = np.full(len(h), 1e9)
+    for number, (u, w, length, _, spread) in enumerate(FINGERS):
+        a = np.radians(spread)
+        along_cm = np.clip((h[:, 0] - u) * np.cos(a) + (h[:, 1] - w) * np.sin(a), 0, length)
+        away = np.abs((h[:, 1] - w) - np.sin(a) * along_cm)
+        closer = (h[:, 0] > u + 0.4) & (away < best) & (h[:, 1] < 4.6)
+        best, finger = np.where(closer, away, best), np.where(closer, number + 1, finger)
+    thumb = (h[:, 1] - 4.4 > -0.35 * (h[:, 0] - 5.5)) & (finger == 0) & (h[:, 1] > 3.2)
+    finger = np.where(thumb, 5, finger)
+    # the fingers curl: their middle plane bends towards the palm
+    middle = np.where(finger == 5, 1.7, np.where(finger > 0, 0.045 * (h[:, 0] - 9.0) ** 2, 0))
+    return finger * 2 + (h[:, 2] > middle)
 
 
 def face_neighbours(faces):
@@ -244,7 +271,8 @@ def make_atlas(vertices, faces, part, weight, log):
                 uv[group] = planar(p[group], cross[group].sum(0))
         uv = scale_charts(uv, chart, area, weight)
         bad = broken_faces(uv, chart, area * weight ** 2)
-        log("charts %d, faces to repair %d" % (chart.max() + 1, bad.sum()))
+        by_part = np.bincount(part[bad], minlength=len(clothes.PARTS))
+        log("charts %d, faces to repair %d, by part %s" % (chart.max() + 1, bad.sum(), by_part.tolist()))
         if not bad.any():
             break
         if attempt < 3:                                 # take the neighbours along
@@ -271,7 +299,7 @@ def make_atlas(vertices, faces, part, weight, log):
 def broken_faces(uv, chart, wanted_area):
     """Faces that are flipped, squeezed flat or under another face of their chart."""
     flat = signed_area(uv)
-    bad = flat < 0.04 * wanted_area
+    bad = flat < 0.02 * wanted_area
     order = np.argsort(chart, kind="stable")
     for group in np.split(order, np.flatnonzero(np.diff(chart[order])) + 1):
         if len(group) < 2:

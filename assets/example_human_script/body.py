@@ -15,7 +15,7 @@ FACE_TABLE = [  # y, half width, front z, back z
     (158, 6.3, 9.8, -5), (160, 6.7, 9.8, -5.5), (162, 7.0, 9.75, -6), (164, 7.05, 9.7, -6),
     (166, 7.1, 10.1, -6), (168, 7.1, 10.05, -6), (170, 7.0, 9.4, -6), (172, 6.3, 7.8, -6)]
 
-SHOULDER = np.array([18.0, 144.0, -2.0], F32)
+SHOULDER = np.array([17.4, 141.6, -2.4], F32)
 ELBOW = np.array([36.0, 121.5, -3.5], F32)
 WRIST = np.array([50.0, 100.5, 2.5], F32)
 
@@ -90,8 +90,8 @@ def eye_aperture(q):
     u = (q[:, 0] - EYE[0]) / 1.52
     tilt = 0.08 * u
     arch = np.clip(1 - u * u, 0, 1)
-    upper = EYE[1] + tilt + 0.60 * arch ** 0.75
-    lower = EYE[1] + tilt - 0.46 * arch
+    upper = EYE[1] + tilt + 0.50 * arch ** 0.75
+    lower = EYE[1] + tilt - 0.40 * arch
     return np.maximum(np.maximum(q[:, 1] - upper, lower - q[:, 1]), (np.abs(u) - 1) * 1.4)
 
 
@@ -127,7 +127,7 @@ def _neck(q):
     d = capsule(q, (0, 143, -3.6), (0, 158.5, -1.6), 6.6, 5.4)
     d = smin(d, ellipsoid(q, (0, 150.3, 2.5), (1.3, 2.2, 2.2)), 1.8)
     d = smin(d, capsule(q, (5.4, 160, -2.0), (1.6, 145.5, 3.4), 1.1, 1.0), 1.6)
-    return smin(d, capsule(q, (3.5, 152, -4.5), (17, 144.8, -4), 3.6, 3.0), 3.0)
+    return smin(d, capsule(q, (3.5, 152, -4.5), (16, 143.0, -4), 3.4, 2.8), 3.0)
 
 
 def head_skin(p):
@@ -135,11 +135,10 @@ def head_skin(p):
     q = mirrored(natural(p))
     d = skull(q) - _features(q)
     d = smin(d, _nose(q), 0.75)
-    lid = np.maximum(sphere(q, EYE, 1.45), -eye_aperture(q) * 0.9 + 0.0)
+    lid = np.maximum(sphere(q, EYE, 1.45), -eye_aperture(q) * 0.9)
     lid = smin(d, lid, 0.35)
     crease = gauss((eye_aperture(q) - 0.42) / 0.16) * (q[:, 1] > EYE[1] + 0.1)
     d = lid + 0.10 * crease * (np.abs(q[:, 0] - EYE[0]) < 1.7) * (q[:, 2] > 6)
-    # The eyeball is hollowed a little by the aperture so that the lid stands proud.
     d = np.minimum(d, sphere(q, EYE, EYE_RADIUS))
     d = smin(d, _ear(q), 0.4)
     brow = gauss((q[:, 1] - brow_line(q[:, 0])) / 0.35) * (q[:, 2] > 5) * smoothstep(0.9, 1.6, q[:, 0])
@@ -157,7 +156,7 @@ def hair_line(q):
     """Signed: positive where scalp hair grows. Angle is 0 at the face, 180 at the nape."""
     angle = np.degrees(np.arctan2(q[:, 0], q[:, 2] - 0.3))
     line = interp(angle, (0, 15, 32, 48, 58, 70, 84, 96, 108, 120, 140, 180),
-                  (171.6, 171.8, 171.9, 169.6, 166.5, 161.8, 162.3, 166.2, 165.8, 160.0, 156.0, 155.2))
+                  (171.4, 171.7, 172.0, 170.6, 167.2, 161.8, 162.3, 166.2, 165.8, 160.0, 156.0, 155.2))
     return q[:, 1] - line
 
 
@@ -186,11 +185,11 @@ def strands(p, across_per_radian, along_per_cm, seed):
 def scalp_hair(p):
     q = mirrored(natural(p))
     grow = hair_line(q) + 0.30 * strands(p, 7, 0.15, 21)
-    volume = 0.75 + 1.55 * smoothstep(165.5, 173.5, q[:, 1])
-    volume += 0.9 * smoothstep(1, 8, q[:, 2]) * smoothstep(169, 173, q[:, 1])
+    volume = 0.55 + 1.75 * smoothstep(167.5, 175.0, q[:, 1]) * smoothstep(8.5, 4.0, q[:, 0])
+    volume += 0.9 * smoothstep(1, 8, q[:, 2]) * smoothstep(169, 173, q[:, 1]) * smoothstep(7.0, 3.0, q[:, 0])
     relief = 0.55 * strands(p, 3.2, 0.05, 22) + 0.30 * strands(p, 8.5, 0.08, 23)
     volume = volume + relief * smoothstep(0.0, 2.5, grow) * (0.55 + 0.45 * smoothstep(163, 170, q[:, 1]))
-    thick = -0.5 + (volume + 0.5) * smoothstep(-0.6, 1.9, grow)
+    thick = -0.5 + (volume + 0.5) * smoothstep(-0.6, 1.9, grow) - 0.9 * np.clip(-0.8 - grow, 0, 4)
     return (skull(q) - thick).astype(F32)
 
 
@@ -212,7 +211,7 @@ def beard_line(q):
 def beard(p):
     q = mirrored(natural(p))
     grow = beard_line(q) + 0.12 * noise(p, (1.6, 0.8, 1.6), 31)
-    thick = -0.35 + 0.68 * smoothstep(-0.35, 0.9, grow)
+    thick = -0.35 + 0.68 * smoothstep(-0.35, 0.9, grow) - 0.6 * np.clip(-0.5 - grow, 0, 4)
     thick = thick + 0.10 * smoothstep(0.2, 1, grow) * noise(p, (1.3, 0.5, 1.3), 32)
     thick = thick + 0.25 * smoothstep(0.3, 1.5, grow) * gauss((q[:, 1] - 153) / 1.8)
     surface = skull(q) - _features(q)

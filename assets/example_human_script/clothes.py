@@ -13,8 +13,8 @@ TORSO_TABLE = [  # y, half width, front z, back z
     (142, 17.4, 8.8, -11.6), (146, 13.5, 5.6, -10.0), (149, 9.0, 3.6, -8.8)]
 JACKET_TABLE = [
     (95.5, 18.9, 12.2, -14.0), (98, 18.8, 12.4, -14.0), (102, 18.3, 12.5, -13.0), (109, 17.9, 12.9, -12.0),
-    (116, 18.3, 13.2, -12.0), (124, 19.4, 13.7, -12.8), (132, 20.1, 13.7, -13.8), (138, 20.0, 12.4, -13.8),
-    (143, 18.6, 9.8, -12.8), (147, 13.6, 6.2, -11.2), (150, 9.6, 4.2, -9.9)]
+    (116, 18.3, 13.2, -12.0), (124, 19.4, 13.7, -12.8), (132, 20.1, 13.7, -13.8), (138, 19.6, 12.6, -13.8),
+    (142, 17.6, 10.6, -12.9), (146, 13.2, 7.4, -11.4), (150, 9.2, 4.4, -9.9)]
 JEANS_TABLE = [
     (82, 16.6, 9.6, -11.2), (88, 17.5, 10.5, -12.4), (94, 17.4, 10.9, -12.2), (100, 16.8, 10.9, -11.0),
     (103.6, 16.4, 10.9, -10.3)]
@@ -38,7 +38,7 @@ def neck_line(q):
 def tee(p):
     q = mirrored(p)
     d = loft(q, TORSO_TABLE, 2.35) - 0.25
-    d = smin(d, capsule(q, (4.5, 149.5, -4.2), (17, 144.2, -3.5), 4.6, 3.8), 3.0)
+    d = smin(d, capsule(q, (4.5, 149.5, -4.2), (16, 142.3, -3.5), 4.6, 3.8), 3.0)
     # chest, and the shirt blousing over the belt
     d = d - 0.7 * gauss((q[:, 0] - 7.5) / 5) * gauss((q[:, 1] - 131.5) / 4.5) * (q[:, 2] > 0)
     d = d - 0.9 * gauss((q[:, 1] - 104.6) / 1.7)
@@ -48,6 +48,8 @@ def tee(p):
     d = d - 0.65 * fold(slack, 0.16) * smoothstep(118, 106, q[:, 1])
     rib = smoothstep(-2.1, -1.9, neck_line(q))
     d = d - 0.22 * rib
+    # under the jacket the shirt lies closer, so that no fold of it comes through
+    d = d + 1.6 * smoothstep(0.8, 3.0, q[:, 0] - opening(q)) * smoothstep(-3, 0, q[:, 2])
     d = smax(d, neck_line(q), 0.25)
     return np.maximum(d, 102.6 - q[:, 1]).astype(F32)
 
@@ -66,7 +68,7 @@ def sleeve_coordinates(q):
 
 def _sleeve(p, q):
     reach, _, lower, upper_cm = sleeve_coordinates(q)
-    top = capsule(q, SHOULDER, ELBOW, 8.3, 6.3)
+    top = capsule(q, SHOULDER, ELBOW, 7.5, 6.2)
     low = capsule(q, ELBOW, WRIST, 6.2, 4.5)
     d = smin(top, low, 1.5)
     # rings that buckle at the elbow and above the cuff, tight in the crook
@@ -78,6 +80,11 @@ def _sleeve(p, q):
     d = d - amount * rings * smoothstep(4, 14, reach) * smoothstep(54.5, 52.5, reach)
     d = d - 0.28 * smoothstep(50.4, 50.6, reach) * smoothstep(-1, 1, lower)        # cuff
     return smax(d, lower - 25.4, 0.35)
+
+
+def sleeve_side(q):
+    """Positive on the sleeve's side of the armhole seam."""
+    return q[:, 0] - interp(q[:, 1], (95, 122, 127, 131, 138, 144, 152), (60, 30, 22.5, 19.2, 17.2, 17.0, 17.6))
 
 
 def opening(q):
@@ -107,12 +114,12 @@ def jacket_seam(q):
     """Distance from the panel seams (mirrored points): yoke, side, princess, armhole, hem band."""
     x, y, z = q[:, 0], q[:, 1], q[:, 2]
     reach, _, lower, _ = sleeve_coordinates(q)
-    body_only = reach < 3.0
+    body_only = sleeve_side(q) < 0
     yoke = np.where((z < 0) & body_only, np.abs(y - 137.0 - 0.02 * x * x), 9)
-    yoke_front = np.where((z > 0) & body_only, np.abs(y - 138.5 - 0.1 * (x - 9)), 9)
+    yoke_front = np.where((z > 0) & body_only & (lapel_edge(q) > 0.4), np.abs(y - 136.5 - 0.1 * (x - 9)), 9)
     princess = np.where((y < 137) & body_only & (z < 0), np.abs(x - 9.0 - 0.04 * (y - 110)), 9)
     side = np.where((y < 130) & body_only, np.abs(z + 0.6), 9)
-    armhole = np.where(y > 126, np.abs(reach - 3.2), 9)
+    armhole = np.where(y > 124, np.abs(sleeve_side(q)), 9)
     hem = np.where(body_only, np.abs(y - 99.0), 9)
     elbow = np.abs(reach - 33.5) + np.where((reach > 5) & (z < -1), 0, 9)
     return np.minimum.reduce([yoke, yoke_front, princess, side, armhole, hem, elbow]).astype(F32)
@@ -129,7 +136,7 @@ def jacket_pocket(q):
 def jacket(p):
     q = mirrored(p)
     trunk = loft(q, JACKET_TABLE, 2.4)
-    trunk = smin(trunk, capsule(q, (5, 149, -4.6), (17, 145.0, -3.5), 4.9, 4.6), 3.5)
+    trunk = smin(trunk, capsule(q, (5, 148.6, -4.6), (16.5, 143.0, -3.5), 4.9, 4.8), 3.5)
     drag = noise(p * np.array([0.13, 0.06, 0.1], F32) + 0.05 * p[:, [1]] * np.sign(p[:, [0]]), 1.0, 62)
     sag = noise(p, (0.06, 0.15, 0.06), 63)
     trunk = trunk - 0.80 * (fold(drag, 0.20) - 0.3) * smoothstep(145, 132, q[:, 1]) * smoothstep(97, 101, q[:, 1])
@@ -137,7 +144,7 @@ def jacket(p):
     trunk = trunk - 0.18 * smoothstep(99.2, 98.8, q[:, 1])
     hole = np.maximum(np.abs(p[:, 0] + 0.03 * (p[:, 1] - 130)) - opening(q), -1.5 - q[:, 2])
     front = smax(trunk, -hole, 0.55)
-    flap = smax(smax(trunk - 0.8, lapel_edge(q), 0.5), -hole - 0.25, 0.5)
+    flap = smax(smax(trunk - 0.95, lapel_edge(q), 0.35), -hole - 0.25, 0.5)
     front = np.where(q[:, 2] > 0, np.minimum(front, flap), front)
     front = smax(front, 95.8 - q[:, 1], 0.4)
     d = smin(front, _sleeve(p, q), 2.6)
@@ -188,9 +195,9 @@ def jeans(p):
     leg = smin(smin(thigh, shank, 2.0), calf, 2.0)
     y, sign = q[:, 1], np.sign(p[:, 0])
     # stacked rings over the boot, rings round the knee, whiskers from the crotch
-    u = np.stack([y * 0.25 + 0.05 * p[:, 2] + 0.04 * p[:, 0], q[:, 2] * 0.085, sign * 4 + q[:, 0] * 0.05], 1)
+    u = np.stack([y * 0.23 + 0.09 * p[:, 2] + 0.08 * p[:, 0], q[:, 2] * 0.11, sign * 4 + q[:, 0] * 0.09], 1)
     rings = fold(noise(u.astype(F32), 1.0, 71), 0.20) - 0.3
-    amount = 1.15 * gauss((y - 14) / 8) + 1.0 * gauss((y - 52) / 9) * (0.6 + 0.4 * (q[:, 2] < 0)) + 0.28
+    amount = 1.15 * gauss((y - 14) / 8) + 0.75 * gauss((y - 52) / 9) * (0.6 + 0.4 * (q[:, 2] < 0)) + 0.28
     leg = leg - amount * rings * smoothstep(7.6, 9.5, y) * smoothstep(90, 78, y)
     d = smin(hips, leg, 2.6)
     fan = np.stack([np.arctan2(y - 78, q[:, 0] + 4) * 2.6, q[:, 0] * 0.04, sign * 3 + q[:, 2] * 0.06], 1)

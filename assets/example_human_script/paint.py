@@ -30,8 +30,8 @@ def skin(s):
     head = part == clothes.SKIN_HEAD
     colour = np.tile(rgb(0.775, 0.585, 0.485), (len(p), 1))
     tone = fbm(p, 0.35, 3, 101)
-    colour = colour + tone[:, None] * rgb(0.030, 0.036, 0.034)
-    colour = mix(colour, rgb(0.72, 0.44, 0.37), 0.55 * _blush(p, q, part) + 0.14 * np.clip(noise(p, 1.1, 102), 0, 1))
+    colour = colour + tone[:, None] * rgb(0.018, 0.022, 0.020)
+    colour = mix(colour, rgb(0.72, 0.44, 0.37), 0.55 * _blush(p, q, part) + 0.07 * np.clip(noise(p, 1.6, 102), 0, 1))
     face = head & (q[:, 2] > 0)
     colour[face] = _face(p[face], q[face], colour[face])
     hands = ~head
@@ -85,9 +85,9 @@ def _brows(p, q, colour):
     half = interp(q[:, 0], (0.8, 1.5, 3.0, 4.8, 6.0), (0.25, 0.50, 0.50, 0.30, 0.08))
     # hairs lean outward and up
     lean = (q[:, 0] * 0.75 - q[:, 1] * 0.65)
-    hairs = noise(np.stack([lean * 3.6, (q[:, 0] + q[:, 1]) * 0.55, np.sign(p[:, 0]) * 3], 1).astype(F32), 1.0, 131)
+    hairs = noise(np.stack([lean * 5.5, (q[:, 0] + q[:, 1]) * 0.8, np.sign(p[:, 0]) * 3], 1).astype(F32), 1.0, 131)
     cover = smoothstep(1.25, 0.45, np.abs(away) / half) * smoothstep(0.75, 1.5, q[:, 0]) * smoothstep(6.1, 5.2, q[:, 0])
-    return mix(colour, rgb(0.19, 0.13, 0.095), cover * np.clip(0.62 + 0.8 * hairs, 0.15, 0.97) * (q[:, 2] > 4))
+    return mix(colour, rgb(0.19, 0.13, 0.095), cover * np.clip(0.74 + 0.45 * hairs, 0.3, 0.95) * (q[:, 2] > 4))
 
 
 def _eyes(p, q, colour):
@@ -143,8 +143,8 @@ def hair(s):
     lock = body.strands(p, 5.0, 0.05, 201)
     strand = body.strands(p, 22, 0.10, 202)
     fine = body.strands(p, 48, 0.18, 203)
-    short = fbm(p * rgb(1, 0.45, 1), 3.6, 2, 204)
-    level = np.where(scalp, 0.42 + 0.20 * lock + 0.38 * strand + 0.30 * fine, 0.34 + 0.55 * short)
+    short = fbm(p * rgb(1, 0.40, 1), 5.0, 2, 204)
+    level = np.where(scalp, 0.42 + 0.20 * lock + 0.38 * strand + 0.30 * fine, 0.26 + 0.38 * short)
     colour = mix(np.tile(rgb(0.105, 0.070, 0.052), (len(p), 1)), rgb(0.40, 0.275, 0.185), level)
     q = mirrored(natural(p))
     grey = smoothstep(167, 161, p[:, 1]) * np.where(scalp, 1, 0.4)
