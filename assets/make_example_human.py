@@ -43,7 +43,7 @@ def detail_weight(p):
     eyes = np.exp(-(((np.abs(p[:, :2]) - (3.1, 164)) / (2.2, 1.5)) ** 2).sum(1)) * (p[:, 2] > 6)
     hands = (np.abs(p[:, 0]) > 50) & (p[:, 1] < 103)
     head = p[:, 1] > 151
-    return np.clip(0.25 * head + 0.45 * face + 0.30 * eyes + 0.40 * hands, 0, 1)
+    return np.clip(0.10 * head + 0.45 * face + 0.45 * eyes + 0.25 * hands, 0, 1)
 
 
 def simplify(vertices, faces, wanted):
@@ -67,7 +67,7 @@ def simplify(vertices, faces, wanted):
             group.add(rows.tolist(), step / 20, "REPLACE")
     modifier = obj.modifiers.new("simplify", "DECIMATE")
     modifier.ratio = wanted / len(faces)
-    modifier.vertex_group, modifier.vertex_group_factor, modifier.invert_vertex_group = "spare", 12.0, True
+    modifier.vertex_group, modifier.vertex_group_factor, modifier.invert_vertex_group = "spare", 3.0, True
     result = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
     out_v = np.zeros(len(result.vertices) * 3, np.float32)
     result.vertices.foreach_get("co", out_v)

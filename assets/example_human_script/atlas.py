@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 
 from . import clothes
-from .body import FINGERS, hand_frame, mirrored
+from .body import FINGERS, HAND_N, hand_frame, mirrored
 from .clothes import boot_frame, leg_coordinate, sleeve_coordinates, sleeve_side
 from .mesher import components
 
@@ -23,7 +23,7 @@ def chart_keys(centre, normal, part):
     key = np.where(part == clothes.SCALP, 310 + left, key)
     for hand, side in ((clothes.SKIN_HAND_L, 1), (clothes.SKIN_HAND_R, -1)):
         on = part == hand
-        key[on] = hand * 100 + _hand_keys(hand_frame(centre[on], side))
+        key[on] = hand * 100 + _hand_keys(hand_frame(centre[on], side), (normal[on] * (side, 1, 1)) @ HAND_N)
     reach, _, _, _ = sleeve_coordinates(q)
     on_sleeve = sleeve_side(q) > 0
     trunk = np.where(centre[:, 2] > -0.6, 0, 1) * 2 + np.where(centre[:, 2] > -0.6, left, 0)
@@ -44,12 +44,13 @@ def _head_keys(p, normal, left):
     side = 3 + left
     ear = (np.abs(p[:, 0]) > 7.35) & (p[:, 1] > 158.5) & (p[:, 2] < 1.6)
     key = np.where(angle < 62, 1, np.where(angle < 118, side, 2))
+    key = np.where((key == 1) & (normal[:, 2] < 0.0), 6 + (normal[:, 1] > 0), key)   # nostrils, lids
     key = np.where(jaw & (angle < 118), 5, key)
     return np.where(ear, 10 + 2 * left + (normal[:, 2] < -0.15), key)
 
 
-def _hand_keys(h):
-    """Palm and back, fingers and thumb, each in an upper and a lower half."""
+def _hand_keys(h, facing):
+    """Palm and back, fingers and thumb, each in two halves by where the surface looks."""
     finger = np.zeros(len(h), int)
     best = np.full(len(h), 1e9)
     for number, (u, w, length, _, spread) in enumerate(FINGERS):
@@ -59,10 +60,18 @@ def _hand_keys(h):
         closer = (h[:, 0] > u + 0.4) & (away < best) & (h[:, 1] < 4.6)
         best, finger = np.where(closer, away, best), np.where(closer, number + 1, finger)
     thumb = (h[:, 1] - 4.4 > -0.35 * (h[:, 0] - 5.5)) & (finger == 0) & (h[:, 1] > 3.2)
-    finger = np.where(thumb, 5, finger)
-    # the fingers curl: their middle plane bends towards the palm
-    middle = np.where(finger == 5, 1.7, np.where(finger > 0, 0.045 * (h[:, 0] - 9.0) ** 2, 0))
-    return finger * 2 + (h[:, 2] > middle)
+    return np.where(thumb, 5, finger) * 2 + (facing > 0)
+
+
+def smooth_normals(normal, pairs, rounds):
+    """Average over neighbouring faces, so that charts do not follow every wrinkle."""
+    for _ in range(rounds):
+        total = normal.copy()
+        for axis in range(3):
+            total[:, axis] += np.bincount(pairs[:, 0], normal[pairs[:, 1], axis], len(normal))
+            total[:, axis] += np.bincount(pairs[:, 1], normal[pairs[:, 0], axis], len(normal))
+        normal = total / (np.linalg.norm(total, axis=1, keepdims=True) + 1e-12)
+    return normal
 
 
 def face_neighbours(faces):
@@ -116,7 +125,7 @@ def unwrap(vertices, faces, chart, pairs):
     obj.select_set(True)
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.uv.unwrap(method="CONFORMAL", fill_holes=True, margin=0.0)
+    bpy.ops.uv.unwrap(method="ANGLE_BASED", fill_holes=True, margin=0.0)
     bpy.ops.object.mode_set(mode="OBJECT")
     uv = np.zeros(len(faces) * 6, np.float32)
     mesh.uv_layers[0].data.foreach_get("uv", uv)
@@ -261,7 +270,7 @@ def make_atlas(vertices, faces, part, weight, log):
     area = np.linalg.norm(cross, axis=1) / 2
     normal = cross / (2 * area[:, None] + 1e-12)
     pairs = face_neighbours(faces)
-    chart = connected_charts(chart_keys(p.mean(1), normal, part), pairs)
+    chart = connected_charts(chart_keys(p.mean(1), smooth_normals(normal, pairs, 6), part), pairs)
     loose = np.zeros(len(faces), bool)
     for attempt in range(6):
         uv = unwrap(vertices, faces, chart, pairs)

@@ -106,20 +106,20 @@ def _nose(q):
 
 def _ear(q):
     """Shell of the ear: a tilted disc with a raised rim, hollow in the middle."""
-    c, s = np.cos(0.42), np.sin(0.42)
-    e = q - np.array([7.55, 162.9, -0.6], F32)
+    c, s = np.cos(0.34), np.sin(0.34)
+    e = q - np.array([7.35, 162.9, -0.6], F32)
     depth = e[:, 0] * c + e[:, 2] * s * 1.0          # across the disc
     back = -e[:, 2] * c + e[:, 0] * s                # towards the back of the head
     up = e[:, 1] - 0.18 * back
-    r = np.sqrt((back / 1.75) ** 2 + (up / 3.0) ** 2) + 1e-4
+    r = np.sqrt((back / 1.65) ** 2 + (up / 2.85) ** 2) + 1e-4
     ring = (r - 1) * 2.0
-    disc = smax(np.abs(depth) - 0.30, ring, 0.4)
-    rim = np.sqrt((ring + 0.22) ** 2 + (depth - 0.35) ** 2) - 0.30
+    disc = smax(np.abs(depth + 0.1) - 0.22, ring, 0.4)
+    rim = np.sqrt((ring + 0.22) ** 2 + (depth - 0.38) ** 2) - 0.27
     fold = np.sqrt(((r - 0.55) * 1.9) ** 2 + (depth - 0.28) ** 2) - 0.22
     lobe = ellipsoid(q, (7.35, 160.2, 0.0), (0.5, 0.85, 0.7))
     tragus = ellipsoid(q, (7.45, 162.5, 0.75), (0.4, 0.6, 0.45))
     d = smin(smin(disc, rim, 0.25), smin(fold, smin(lobe, tragus, 0.3), 0.3), 0.2)
-    hole = ellipsoid(q, (7.9, 162.6, 0.0), (0.8, 0.75, 0.6))
+    hole = ellipsoid(q, (7.8, 162.5, -0.2), (0.8, 0.85, 0.65))
     return smax(d, -hole, 0.25)
 
 
@@ -186,7 +186,7 @@ def scalp_hair(p):
     q = mirrored(natural(p))
     grow = hair_line(q) + 0.30 * strands(p, 7, 0.15, 21)
     volume = 0.55 + 1.75 * smoothstep(167.5, 175.0, q[:, 1]) * smoothstep(8.5, 4.0, q[:, 0])
-    volume += 0.9 * smoothstep(1, 8, q[:, 2]) * smoothstep(169, 173, q[:, 1]) * smoothstep(7.0, 3.0, q[:, 0])
+    volume += 0.6 * smoothstep(1, 8, q[:, 2]) * smoothstep(169, 173, q[:, 1]) * smoothstep(7.0, 3.0, q[:, 0])
     relief = 0.55 * strands(p, 3.2, 0.05, 22) + 0.30 * strands(p, 8.5, 0.08, 23)
     volume = volume + relief * smoothstep(0.0, 2.5, grow) * (0.55 + 0.45 * smoothstep(163, 170, q[:, 1]))
     thick = -0.5 + (volume + 0.5) * smoothstep(-0.6, 1.9, grow) - 0.9 * np.clip(-0.8 - grow, 0, 4)
@@ -197,20 +197,18 @@ def beard_line(q):
     """Positive where the short beard grows (mirrored points)."""
     x, y, z = q[:, 0], q[:, 1], q[:, 2]
     cheek = interp(x, (0, 1.4, 2.6, 3.4, 4.6, 5.6, 6.4, 7.5),
-                   (159.15, 159.2, 158.7, 157.6, 157.6, 158.6, 161.5, 163.5)) - y
+                   (159.1, 159.2, 159.0, 158.3, 158.0, 158.9, 161.8, 163.8)) - y
     under = y - (150.6 + 0.42 * np.clip(8.0 - z, 0, 8))
     share, dy = lip_coordinates(q)
-    lips = np.sqrt((x / 2.75) ** 2 + ((dy + 0.05) / np.where(dy > 0, 0.78, 1.08)) ** 2)
+    lips = np.sqrt((x / 2.62) ** 2 + ((dy + 0.05) / np.where(dy > 0, 0.66, 1.0)) ** 2)
     lips = (lips - 1) * 1.0
-    soul = np.minimum(1.2 - np.abs(x), 155.75 - y)         # tuft under the lower lip
-    gap = np.where((y < 155.8) & (y > 154.6) & (x > 0.9), np.abs(x - 1.7) - 0.5, 9)
     behind = z - interp(y, (150, 158, 161.5, 165), (-0.5, 0.9, 1.3, 1.8))
     return np.minimum(np.minimum(np.minimum(cheek, under), lips), behind)
 
 
 def beard(p):
     q = mirrored(natural(p))
-    grow = beard_line(q) + 0.12 * noise(p, (1.6, 0.8, 1.6), 31)
+    grow = beard_line(q) + 0.14 * noise(p, (1.9, 1.1, 1.9), 31)
     thick = -0.35 + 0.68 * smoothstep(-0.35, 0.9, grow) - 0.6 * np.clip(-0.5 - grow, 0, 4)
     thick = thick + 0.10 * smoothstep(0.2, 1, grow) * noise(p, (1.3, 0.5, 1.3), 32)
     thick = thick + 0.25 * smoothstep(0.3, 1.5, grow) * gauss((q[:, 1] - 153) / 1.8)
@@ -244,21 +242,34 @@ def hand_frame(p, side):
     return np.stack([q @ HAND_U, q @ HAND_W, q @ HAND_N], 1).astype(F32)
 
 
-def _finger(h, base_u, base_w, length, radius, spread, curl):
-    """Three phalanges that bend more and more towards the palm."""
-    start = np.array([base_u, base_w, 0.0])
-    a, bend = np.radians(spread), 0.0
-    d = None
+def finger_joints(base_u, base_w, length, spread, curl):
+    """Knuckle, two joints and the tip, in the hand's frame."""
+    joints, a, bend = [np.array([base_u, base_w, 0.0])], np.radians(spread), 0.0
     for share, more in zip((0.46, 0.30, 0.24), curl):
         bend += np.radians(more)
         step = np.array([np.cos(a) * np.cos(bend), np.sin(a) * np.cos(bend), np.sin(bend)])
-        end = start + step * length * share
+        joints.append(joints[-1] + step * length * share)
+    return joints
+
+
+def finger_curls(side):
+    """Bends in degrees of the three joints, index to little finger; the hands differ."""
+    if side > 0:
+        return [(10, 16, 10), (14, 20, 13), (17, 22, 14), (18, 22, 14)]
+    return [(14, 20, 12), (18, 24, 15), (20, 26, 16), (20, 24, 16)]
+
+
+def _finger(h, base_u, base_w, length, radius, spread, curl):
+    """Three phalanges that bend more and more towards the palm."""
+    d = None
+    joints = finger_joints(base_u, base_w, length, spread, curl)
+    for start, end in zip(joints[:-1], joints[1:]):
         r0, r1 = radius, radius * 0.91
         bone = capsule(h, start, end, r0, r1)
         knuckle = sphere(h, start - np.array([0, 0, 0.12]), r0 * 1.06)
         bone = smin(bone, knuckle, 0.25)
         d = bone if d is None else smin(d, bone, 0.2)
-        start, radius = end, r1
+        radius = r1
     return d
 
 
@@ -270,9 +281,7 @@ def hand(p, side):
     palm = smax(palm, h[:, 0] - 10.2, 1.0)
     wrist = capsule(h * np.array([1, 0.86, 1.12], F32), (-7, 0, 0), (2, 0, 0), 2.9, 2.5)
     d = smin(palm, wrist, 1.8)
-    curls = [(10, 16, 10), (14, 20, 13), (17, 22, 14), (18, 22, 14)] if side > 0 else \
-            [(14, 20, 12), (18, 24, 15), (20, 26, 16), (20, 24, 16)]
-    for finger, curl in zip(FINGERS, curls):
+    for finger, curl in zip(FINGERS, finger_curls(side)):
         d = smin(d, _finger(h, *finger, curl), 0.35)
         tendon = capsule(h, (2.5, finger[1] * 0.5, -1.2), (finger[0], finger[1], -0.75), 0.3, 0.35)
         d = smin(d, tendon, 0.7)

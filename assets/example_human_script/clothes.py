@@ -74,10 +74,10 @@ def _sleeve(p, q):
     # rings that buckle at the elbow and above the cuff, tight in the crook
     tilt = 0.10 * (p[:, 2] + 0.5 * p[:, 1])
     u = np.stack([(reach + tilt) * 0.26, p[:, 2] * 0.075, p[:, 0] * 0.03 + np.sign(p[:, 0]) * 5], 1)
-    rings = fold(noise(u.astype(F32), 1.0, 61), 0.20) - 0.35
+    rings = fold(noise(u.astype(F32), 1.0, 61), 0.27) - 0.45
     crook = 0.55 + 0.45 * smoothstep(-6, 4, q[:, 2] + 1.5)
-    amount = 1.25 * gauss((reach - upper_cm) / 8) * crook + 0.75 * gauss((reach - 50) / 5) + 0.45
-    d = d - amount * rings * smoothstep(4, 14, reach) * smoothstep(54.5, 52.5, reach)
+    amount = 1.10 * gauss((reach - upper_cm) / 8) * crook + 0.60 * gauss((reach - 49) / 5) + 0.45
+    d = d - amount * rings * smoothstep(4, 14, reach) * smoothstep(51.5, 49.5, reach)
     d = d - 0.28 * smoothstep(50.4, 50.6, reach) * smoothstep(-1, 1, lower)        # cuff
     return smax(d, lower - 25.4, 0.35)
 
@@ -98,11 +98,11 @@ def lapel_edge(q):
     return np.maximum(top, outer)
 
 
-_COLLAR = [(0, 151.6, -9.6), (4.8, 151.3, -8.6), (8.3, 150.0, -4.2), (8.9, 147.6, 1.0), (8.2, 144.2, 6.2)]
+_COLLAR = [(0, 152.6, -10.6), (4.8, 152.2, -9.4), (8.2, 150.6, -4.8), (9.0, 148.0, 1.0), (8.3, 143.8, 6.6)]
 
 
 def _collar(q):
-    squeeze = np.array([1, 0.42, 1], F32)
+    squeeze = np.array([1, 0.36, 1], F32)
     d = None
     for a, b in zip(_COLLAR[:-1], _COLLAR[1:]):
         piece = capsule(q * squeeze, np.array(a) * squeeze, np.array(b) * squeeze, 0.85, 0.8)
@@ -196,7 +196,7 @@ def jeans(p):
     y, sign = q[:, 1], np.sign(p[:, 0])
     # stacked rings over the boot, rings round the knee, whiskers from the crotch
     u = np.stack([y * 0.23 + 0.09 * p[:, 2] + 0.08 * p[:, 0], q[:, 2] * 0.11, sign * 4 + q[:, 0] * 0.09], 1)
-    rings = fold(noise(u.astype(F32), 1.0, 71), 0.20) - 0.3
+    rings = fold(noise(u.astype(F32), 1.0, 71), 0.25) - 0.4
     amount = 1.15 * gauss((y - 14) / 8) + 0.75 * gauss((y - 52) / 9) * (0.6 + 0.4 * (q[:, 2] < 0)) + 0.28
     leg = leg - amount * rings * smoothstep(7.6, 9.5, y) * smoothstep(90, 78, y)
     d = smin(hips, leg, 2.6)

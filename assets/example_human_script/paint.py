@@ -57,8 +57,8 @@ def _face(p, q, colour):
     colour = mix(colour, rgb(0.60, 0.41, 0.36), 0.42 * lids)
     # beard shadow beyond the edge of the beard and on the upper lip
     near = smoothstep(-1.5, 0.15, body.beard_line(q)) * (q[:, 1] < 164)
-    hairs = smoothstep(0.1, 0.7, fbm(p * rgb(1, 0.55, 1), 5.5, 1, 111) + 0.15)
-    colour = mix(colour, rgb(0.33, 0.24, 0.19), near * (0.18 + 0.50 * hairs))
+    hairs = smoothstep(0.1, 0.7, noise(p * rgb(1, 0.6, 1), 8.0, 111) + 0.15)
+    colour = mix(colour, rgb(0.36, 0.27, 0.22), near * (0.25 + 0.34 * hairs))
     roots = smoothstep(-1.0, 0.1, body.hair_line(q)) * (q[:, 1] > 160)
     root_hairs = smoothstep(0.0, 0.6, body.strands(p, 34, 0.35, 112))
     colour = mix(colour, rgb(0.22, 0.15, 0.11), roots * (0.12 + 0.6 * root_hairs))
@@ -126,12 +126,32 @@ def _hands(p, part, colour):
                 c = np.array([u + np.cos(a) * length * share, w + np.sin(a) * length * share])
                 r = np.linalg.norm((h[:, :2] - c) / np.array([width, 0.8]), axis=1)
                 local = mix(local, rgb(0.68, 0.41, 0.35), 0.50 * gauss(r) * back)
+        local = _nails(h, side, local)
         vein = gauss(noise(h, (0.16, 0.42, 0.2), 151) / 0.07) * back * smoothstep(9, 6, h[:, 0])
         local = mix(local, rgb(0.58, 0.47, 0.45), 0.16 * vein)
         lines = gauss(noise(h, (0.22, 0.22, 0.1), 152) / 0.05) * (1 - back)
         local = mix(local, rgb(0.62, 0.38, 0.33), 0.25 * lines)
         tips = smoothstep(14.5, 16.5, h[:, 0])
         colour[on] = mix(local, rgb(0.76, 0.48, 0.42), 0.4 * tips)
+    return colour
+
+
+def _nails(h, side, colour):
+    tips = [body.finger_joints(u, w, length, spread, curl)[2:]
+            for (u, w, length, _, spread), curl in zip(body.FINGERS, body.finger_curls(side))]
+    tips.append([np.array((8.0, 6.2, 1.9)), np.array((10.1, 6.7, 2.1))])
+    for number, (a, b) in enumerate(tips):
+        forward = (b - a) / np.linalg.norm(b - a)
+        out = np.array([0, 0.5, -1.0]) if number == 4 else np.array([0, 0, -1.0])
+        out = out - forward * (out @ forward)
+        out /= np.linalg.norm(out)
+        q = h - b - 0.10 * forward
+        u, w, n = q @ forward, q @ np.cross(out, forward), q @ out
+        shape = ((np.abs(u) / 0.62) ** 3 + (np.abs(w) / 0.50) ** 3) ** (1 / 3)
+        on = (n > 0.15) & (n < 1.2)
+        colour = mix(colour, rgb(0.56, 0.36, 0.31), 0.55 * gauss((shape - 1.05) / 0.14) * on)
+        colour = mix(colour, rgb(0.83, 0.62, 0.56), 0.9 * smoothstep(1.02, 0.92, shape) * on)
+        colour = mix(colour, rgb(0.87, 0.80, 0.73), 0.7 * smoothstep(0.38, 0.48, u) * (shape < 1) * on)
     return colour
 
 
@@ -144,7 +164,7 @@ def hair(s):
     strand = body.strands(p, 22, 0.10, 202)
     fine = body.strands(p, 48, 0.18, 203)
     short = fbm(p * rgb(1, 0.40, 1), 5.0, 2, 204)
-    level = np.where(scalp, 0.42 + 0.20 * lock + 0.38 * strand + 0.30 * fine, 0.26 + 0.38 * short)
+    level = np.where(scalp, 0.42 + 0.20 * lock + 0.38 * strand + 0.30 * fine, 0.32 + 0.55 * short)
     colour = mix(np.tile(rgb(0.105, 0.070, 0.052), (len(p), 1)), rgb(0.40, 0.275, 0.185), level)
     q = mirrored(natural(p))
     grey = smoothstep(167, 161, p[:, 1]) * np.where(scalp, 1, 0.4)
