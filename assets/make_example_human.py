@@ -10,6 +10,7 @@ import os
 import sys
 import time
 
+import bmesh
 import bpy
 import numpy as np
 
@@ -31,7 +32,7 @@ def make_grid():
     """Finer steps at the head and the hands."""
     xs = mesher.axis_samples([(-68, -44, 0.34), (-44, -10, 0.46), (-10, 10, 0.26), (10, 44, 0.46), (44, 68, 0.34)])
     ys = mesher.axis_samples([(-1.2, 80, 0.46), (80, 108, 0.36), (108, 148, 0.46), (148, 182, 0.26)])
-    zs = mesher.axis_samples([(-18, 6, 0.40), (6, 15, 0.28), (15, 23, 0.40)])
+    zs = mesher.axis_samples([(-18, -3, 0.40), (-3, 15, 0.29), (15, 23, 0.40)])
     grid, count = mesher.sample_field(clothes.distance, xs, ys, zs)
     log("distance field: %s grid, %d samples near the surface" % (grid.shape, count))
     return grid, xs, ys, zs
@@ -43,7 +44,8 @@ def detail_weight(p):
     eyes = np.exp(-(((np.abs(p[:, :2]) - (3.1, 164)) / (2.2, 1.5)) ** 2).sum(1)) * (p[:, 2] > 6)
     hands = (np.abs(p[:, 0]) > 50) & (p[:, 1] < 103)
     head = p[:, 1] > 151
-    return np.clip(0.10 * head + 0.45 * face + 0.45 * eyes + 0.25 * hands, 0, 1)
+    ears = (np.abs(p[:, 0]) > 7.0) & (np.abs(p[:, 1] - 162.8) < 3.6) & (np.abs(p[:, 2] + 0.5) < 2.6)
+    return np.clip(0.10 * head + 0.35 * ears + 0.45 * face + 0.45 * eyes + 0.25 * hands, 0, 1)
 
 
 def simplify(vertices, faces, wanted):
@@ -78,6 +80,26 @@ def simplify(vertices, faces, wanted):
     return mesher.compact(out_v.reshape(-1, 3), out_f.reshape(-1, 3).astype(np.int64))
 
 
+def without_slivers(vertices, faces):
+    """Collapse needle-like triangles; keep the mesh as it was if that would open it."""
+    mesh = bpy.data.meshes.new("slivers")
+    mesh.from_pydata(vertices.tolist(), [], faces.tolist())
+    work = bmesh.new()
+    work.from_mesh(mesh)
+    bmesh.ops.dissolve_degenerate(work, dist=0.02, edges=work.edges)
+    bmesh.ops.triangulate(work, faces=work.faces)
+    work.verts.index_update()
+    fresh_v = np.array([v.co[:] for v in work.verts])
+    fresh_f = np.array([[v.index for v in f.verts] for f in work.faces])
+    work.free()
+    result = mesher.check(fresh_v, fresh_f)
+    log("without slivers: %d triangles, closed %s, smallest %.2g cm2" % (
+        len(fresh_f), result["closed"], result["smallest_face_cm2"]))
+    good = result["closed"] and result["manifold_edges"] and result["components"] == 1
+    better = result["smallest_face_cm2"] > mesher.check(vertices, faces)["smallest_face_cm2"]
+    return (fresh_v, fresh_f) if good and better else (vertices, faces)
+
+
 def class_distances(p):
     d = clothes.distances(p)
     return np.stack([d[clothes.CLASS_OF_PART == c].min(0) for c in range(len(clothes.CLASSES))])
@@ -99,6 +121,7 @@ def make_mesh():
     vertices, faces = mesher.cut_along_classes(
         vertices, faces, lambda p: class_distances(p).argmin(0), class_gap)
     log("cut along the class borders: %d triangles" % len(faces))
+    vertices, faces = without_slivers(vertices, faces)
     return vertices, faces, texture.Grid(grid, xs, ys, zs)
 
 

@@ -29,6 +29,8 @@ def chart_keys(centre, normal, part):
     trunk = np.where(centre[:, 2] > -0.6, 0, 1) * 2 + np.where(centre[:, 2] > -0.6, left, 0)
     sleeve = 10 + 2 * left + (centre[:, 2] > -1.8 + 0.09 * np.clip(reach - 30, 0, 30))
     key = np.where(part == clothes.JACKET, 600 + np.where(on_sleeve, sleeve, trunk), key)
+    collar = (part == clothes.JACKET) & (clothes.collar(q) < 0.3)
+    key = np.where(collar, 690 + left, key)
     _, leg_z = leg_coordinate(q)
     key = np.where(part == clothes.JEANS, 700 + 2 * left + (leg_z > -0.3), key)
     key = np.where(part == clothes.BELT, 800 + (centre[:, 2] > 0), key)
@@ -44,7 +46,6 @@ def _head_keys(p, normal, left):
     side = 3 + left
     ear = (np.abs(p[:, 0]) > 7.35) & (p[:, 1] > 158.5) & (p[:, 2] < 1.6)
     key = np.where(angle < 62, 1, np.where(angle < 118, side, 2))
-    key = np.where((key == 1) & (normal[:, 2] < 0.0), 6 + (normal[:, 1] > 0), key)   # nostrils, lids
     key = np.where(jaw & (angle < 118), 5, key)
     return np.where(ear, 10 + 2 * left + (normal[:, 2] < -0.15), key)
 
@@ -151,8 +152,7 @@ def planar(points, normal):
 def scale_charts(uv, chart, area_cm2, weight):
     """Give every chart the size of its surface times `weight`, unmirrored and upright."""
     uv = uv.copy()
-    order = np.argsort(chart, kind="stable")
-    for faces in np.split(order, np.flatnonzero(np.diff(chart[order])) + 1):
+    for faces in chart_groups(chart):
         part = uv[faces]
         flat = signed_area(part)
         if flat.sum() < 0:
@@ -232,8 +232,7 @@ def pack(uv, chart, px_per_cm):
     cells = ATLAS_PX // CELL_PX
     used = np.zeros((cells, cells), bool)
     result = np.empty_like(uv)
-    order = np.argsort(chart, kind="stable")
-    groups = np.split(order, np.flatnonzero(np.diff(chart[order])) + 1)
+    groups = chart_groups(chart)
     groups.sort(key=lambda g: -np.prod(np.ptp(uv[g].reshape(-1, 2), axis=0)))
     for faces in groups:
         part = uv[faces] * px_per_cm
@@ -273,12 +272,8 @@ def make_atlas(vertices, faces, part, weight, log):
     chart = connected_charts(chart_keys(p.mean(1), smooth_normals(normal, pairs, 6), part), pairs)
     loose = np.zeros(len(faces), bool)
     for attempt in range(6):
-        uv = unwrap(vertices, faces, chart, pairs)
-        order = np.argsort(chart, kind="stable")
-        for group in np.split(order, np.flatnonzero(np.diff(chart[order])) + 1):
-            if loose[group].any():                      # small repair charts lie flat anyway
-                uv[group] = planar(p[group], cross[group].sum(0))
-        uv = scale_charts(uv, chart, area, weight)
+        uv = scale_charts(unwrap(vertices, faces, chart, pairs), chart, area, weight)
+        uv = project_where_better(uv, chart, p, cross, area, weight, loose)
         bad = broken_faces(uv, chart, area * weight ** 2)
         by_part = np.bincount(part[bad], minlength=len(clothes.PARTS))
         log("charts %d, faces to repair %d, by part %s" % (chart.max() + 1, bad.sum(), by_part.tolist()))
@@ -305,18 +300,41 @@ def make_atlas(vertices, faces, part, weight, log):
     return packed, image, chart, len(clash)
 
 
+def chart_groups(chart):
+    order = np.argsort(chart, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(chart[order])) + 1)
+
+
+def project_where_better(uv, chart, p, cross, area, weight, loose):
+    """Replace the conformal map of a chart by a projection where that breaks fewer faces."""
+    wanted = area * weight ** 2
+    bad = broken_faces(uv, chart, wanted)
+    for group in chart_groups(chart):
+        if not loose[group].any() and bad[group].mean() < 0.05:
+            continue
+        points, alone = p[group], np.zeros(len(group), int)
+        bent = np.arctan2(points[..., 0], points[..., 2] + 1.0) * 9.0          # round the head
+        for flat in (planar(points, cross[group].sum(0)), np.stack([bent, points[..., 1]], -1)):
+            trial = scale_charts(flat, alone, area[group], weight[group])
+            trial_bad = broken_faces(trial, alone, wanted[group])
+            if trial_bad.sum() < bad[group].sum() or loose[group].any():
+                uv[group], bad[group] = trial, trial_bad
+                break
+    return uv
+
+
 def broken_faces(uv, chart, wanted_area):
     """Faces that are flipped, squeezed flat or under another face of their chart."""
     flat = signed_area(uv)
     bad = flat < 0.02 * wanted_area
-    order = np.argsort(chart, kind="stable")
-    for group in np.split(order, np.flatnonzero(np.diff(chart[order])) + 1):
+    for group in chart_groups(chart):
         if len(group) < 2:
             continue
-        part = uv[group] * 14.0
-        size = np.ceil(part.reshape(-1, 2).max(0)).astype(int) + 2
-        _, clash = rasterise(part, size[0], size[1])
-        if len(clash):                                  # of each pair move the smaller one
-            pair = group[clash]
-            bad[pair[np.arange(len(pair)), wanted_area[pair].argmin(1)]] = True
+        for px_per_cm, offset in ((11.0, 0.0), (15.0, 0.37)):
+            part = uv[group] * px_per_cm + offset
+            size = np.ceil(part.reshape(-1, 2).max(0)).astype(int) + 2
+            _, clash = rasterise(part, size[0], size[1])
+            if len(clash):                              # of each pair move the smaller one
+                pair = group[clash]
+                bad[pair[np.arange(len(pair)), wanted_area[pair].argmin(1)]] = True
     return bad

@@ -196,8 +196,8 @@ def scalp_hair(p):
 def beard_line(q):
     """Positive where the short beard grows (mirrored points)."""
     x, y, z = q[:, 0], q[:, 1], q[:, 2]
-    cheek = interp(x, (0, 1.4, 2.6, 3.4, 4.6, 5.6, 6.4, 7.5),
-                   (159.1, 159.2, 159.0, 158.3, 158.0, 158.9, 161.8, 163.8)) - y
+    cheek = interp(x, (0, 1.4, 2.6, 3.4, 4.6, 5.6, 6.2, 6.6, 7.2),
+                   (159.1, 159.2, 159.0, 158.2, 157.7, 158.4, 159.8, 161.8, 164.5)) - y
     under = y - (150.6 + 0.42 * np.clip(8.0 - z, 0, 8))
     share, dy = lip_coordinates(q)
     lips = np.sqrt((x / 2.62) ** 2 + ((dy + 0.05) / np.where(dy > 0, 0.66, 1.0)) ** 2)

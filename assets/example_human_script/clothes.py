@@ -101,7 +101,7 @@ def lapel_edge(q):
 _COLLAR = [(0, 152.6, -10.6), (4.8, 152.2, -9.4), (8.2, 150.6, -4.8), (9.0, 148.0, 1.0), (8.3, 143.8, 6.6)]
 
 
-def _collar(q):
+def collar(q):
     squeeze = np.array([1, 0.36, 1], F32)
     d = None
     for a, b in zip(_COLLAR[:-1], _COLLAR[1:]):
@@ -139,8 +139,8 @@ def jacket(p):
     trunk = smin(trunk, capsule(q, (5, 148.6, -4.6), (16.5, 143.0, -3.5), 4.9, 4.8), 3.5)
     drag = noise(p * np.array([0.13, 0.06, 0.1], F32) + 0.05 * p[:, [1]] * np.sign(p[:, [0]]), 1.0, 62)
     sag = noise(p, (0.06, 0.15, 0.06), 63)
-    trunk = trunk - 0.80 * (fold(drag, 0.20) - 0.3) * smoothstep(145, 132, q[:, 1]) * smoothstep(97, 101, q[:, 1])
-    trunk = trunk - 0.85 * (fold(sag, 0.17) - 0.2) * smoothstep(122, 108, q[:, 1]) * smoothstep(97, 101, q[:, 1])
+    trunk = trunk - 0.75 * (fold(drag, 0.26) - 0.35) * smoothstep(145, 132, q[:, 1]) * smoothstep(97, 101, q[:, 1])
+    trunk = trunk - 0.60 * (fold(sag, 0.26) - 0.35) * smoothstep(122, 108, q[:, 1]) * smoothstep(97, 101, q[:, 1])
     trunk = trunk - 0.18 * smoothstep(99.2, 98.8, q[:, 1])
     hole = np.maximum(np.abs(p[:, 0] + 0.03 * (p[:, 1] - 130)) - opening(q), -1.5 - q[:, 2])
     front = smax(trunk, -hole, 0.55)
@@ -149,7 +149,7 @@ def jacket(p):
     front = smax(front, 95.8 - q[:, 1], 0.4)
     d = smin(front, _sleeve(p, q), 2.6)
     d = d + 0.20 * gauss(jacket_seam(q) / 0.32) + 0.28 * gauss(jacket_pocket(q) / 0.35)
-    d = smin(d, _collar(q), 0.35)
+    d = smin(d, collar(q), 0.35)
     return (d - 0.10 * noise(p, 0.35, 64)).astype(F32)
 
 
