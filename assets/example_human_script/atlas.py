@@ -273,8 +273,7 @@ def make_atlas(vertices, faces, part, weight, log):
     loose = np.zeros(len(faces), bool)
     for attempt in range(6):
         uv = scale_charts(unwrap(vertices, faces, chart, pairs), chart, area, weight)
-        uv = project_where_better(uv, chart, p, cross, area, weight, loose)
-        bad = broken_faces(uv, chart, area * weight ** 2)
+        uv, bad = project_where_better(uv, chart, p, cross, area, weight, loose)
         by_part = np.bincount(part[bad], minlength=len(clothes.PARTS))
         log("charts %d, faces to repair %d, by part %s" % (chart.max() + 1, bad.sum(), by_part.tolist()))
         if not bad.any():
@@ -288,7 +287,7 @@ def make_atlas(vertices, faces, part, weight, log):
         if attempt >= 3:
             key = np.where(bad, chart.max() * 8 + 10 + np.arange(len(faces)), key)
         chart = connected_charts(key, pairs, 0)
-    px_per_cm = np.sqrt(0.74 * ATLAS_PX ** 2 / (area * weight ** 2).sum())
+    px_per_cm = np.sqrt(0.67 * ATLAS_PX ** 2 / (area * weight ** 2).sum())
     while True:
         packed = pack(uv, chart, px_per_cm)
         if packed is not None:
@@ -320,7 +319,7 @@ def project_where_better(uv, chart, p, cross, area, weight, loose):
             if trial_bad.sum() < bad[group].sum() or loose[group].any():
                 uv[group], bad[group] = trial, trial_bad
                 break
-    return uv
+    return uv, bad
 
 
 def broken_faces(uv, chart, wanted_area):

@@ -99,7 +99,7 @@ def _nose(q):
     d = capsule(q, (0, 165.2, 9.35), (0, 161.0, 11.7), 0.58, 0.72)
     d = smin(d, sphere(q, (0, 160.55, 12.0), 0.88), 0.6)
     d = smin(d, ellipsoid(q, (1.2, 160.15, 10.9), (0.72, 0.68, 0.95)), 0.5)
-    d = smin(d, capsule(q, (0, 159.75, 11.7), (0, 159.4, 10.3), 0.42, 0.5), 0.4)
+    d = smin(d, capsule(q, (0, 159.7, 11.7), (0, 158.95, 10.1), 0.44, 0.7), 0.4)
     nostril = ellipsoid(q, (0.62, 159.45, 11.35), (0.36, 0.34, 0.62))
     return smax(d, -nostril, 0.25)
 
@@ -155,8 +155,8 @@ def brow_line(x):
 def hair_line(q):
     """Signed: positive where scalp hair grows. Angle is 0 at the face, 180 at the nape."""
     angle = np.degrees(np.arctan2(q[:, 0], q[:, 2] - 0.3))
-    line = interp(angle, (0, 15, 32, 48, 58, 70, 84, 96, 108, 120, 140, 180),
-                  (171.4, 171.7, 172.0, 170.6, 167.2, 161.8, 162.3, 166.2, 165.8, 160.0, 156.0, 155.2))
+    line = interp(angle, (0, 15, 32, 48, 58, 70, 79, 85, 97, 109, 118, 126, 142, 180),
+                  (171.4, 171.7, 172.0, 170.6, 167.2, 161.8, 162.6, 166.3, 167.0, 166.4, 162.5, 159.5, 156.2, 155.4))
     return q[:, 1] - line
 
 
@@ -186,10 +186,10 @@ def scalp_hair(p):
     q = mirrored(natural(p))
     grow = hair_line(q) + 0.30 * strands(p, 7, 0.15, 21)
     volume = 0.55 + 1.75 * smoothstep(167.5, 175.0, q[:, 1]) * smoothstep(8.5, 4.0, q[:, 0])
-    volume += 0.6 * smoothstep(1, 8, q[:, 2]) * smoothstep(169, 173, q[:, 1]) * smoothstep(7.0, 3.0, q[:, 0])
+    volume += 0.2 * smoothstep(1, 8, q[:, 2]) * smoothstep(169, 173, q[:, 1]) * smoothstep(7.0, 3.0, q[:, 0])
     relief = 0.55 * strands(p, 3.2, 0.05, 22) + 0.30 * strands(p, 8.5, 0.08, 23)
     volume = volume + relief * smoothstep(0.0, 2.5, grow) * (0.55 + 0.45 * smoothstep(163, 170, q[:, 1]))
-    thick = -0.5 + (volume + 0.5) * smoothstep(-0.6, 1.9, grow) - 0.9 * np.clip(-0.8 - grow, 0, 4)
+    thick = -0.5 + (volume + 0.5) * smoothstep(-0.6, 1.9 + 1.3 * smoothstep(3, 8, q[:, 2]), grow) - 0.9 * np.clip(-0.8 - grow, 0, 4)
     return (skull(q) - thick).astype(F32)
 
 

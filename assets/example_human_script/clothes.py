@@ -42,7 +42,7 @@ def tee(p):
     # chest, and the shirt blousing over the belt
     d = d - 0.7 * gauss((q[:, 0] - 7.5) / 5) * gauss((q[:, 1] - 131.5) / 4.5) * (q[:, 2] > 0)
     d = d - 0.9 * gauss((q[:, 1] - 104.6) / 1.7)
-    pull = noise(p * np.array([0.16, 0.05, 0.1], F32) + 0.04 * p[:, [1]] * np.sign(p[:, [0]]), 1.0, 51)
+    pull = noise(p * np.array([0.16, 0.05, 0.1], F32) + 0.04 * (p[:, [1]] - 120) * np.tanh(p[:, [0]] / 6), 1.0, 51)
     d = d - 0.55 * fold(pull, 0.16) * smoothstep(140, 122, q[:, 1])
     slack = noise(p, (0.07, 0.22, 0.1), 52)
     d = d - 0.65 * fold(slack, 0.16) * smoothstep(118, 106, q[:, 1])
@@ -76,7 +76,7 @@ def _sleeve(p, q):
     u = np.stack([(reach + tilt) * 0.26, p[:, 2] * 0.075, p[:, 0] * 0.03 + np.sign(p[:, 0]) * 5], 1)
     rings = fold(noise(u.astype(F32), 1.0, 61), 0.27) - 0.45
     crook = 0.55 + 0.45 * smoothstep(-6, 4, q[:, 2] + 1.5)
-    amount = 1.10 * gauss((reach - upper_cm) / 8) * crook + 0.60 * gauss((reach - 49) / 5) + 0.45
+    amount = 0.82 * gauss((reach - upper_cm) / 8) * crook + 0.50 * gauss((reach - 49) / 5) + 0.45
     d = d - amount * rings * smoothstep(4, 14, reach) * smoothstep(51.5, 49.5, reach)
     d = d - 0.28 * smoothstep(50.4, 50.6, reach) * smoothstep(-1, 1, lower)        # cuff
     return smax(d, lower - 25.4, 0.35)
@@ -137,7 +137,7 @@ def jacket(p):
     q = mirrored(p)
     trunk = loft(q, JACKET_TABLE, 2.4)
     trunk = smin(trunk, capsule(q, (5, 148.6, -4.6), (16.5, 143.0, -3.5), 4.9, 4.8), 3.5)
-    drag = noise(p * np.array([0.13, 0.06, 0.1], F32) + 0.05 * p[:, [1]] * np.sign(p[:, [0]]), 1.0, 62)
+    drag = noise(p * np.array([0.13, 0.06, 0.1], F32) + 0.05 * (p[:, [1]] - 120) * np.tanh(p[:, [0]] / 6), 1.0, 62)
     sag = noise(p, (0.06, 0.15, 0.06), 63)
     trunk = trunk - 0.75 * (fold(drag, 0.26) - 0.35) * smoothstep(145, 132, q[:, 1]) * smoothstep(97, 101, q[:, 1])
     trunk = trunk - 0.60 * (fold(sag, 0.26) - 0.35) * smoothstep(122, 108, q[:, 1]) * smoothstep(97, 101, q[:, 1])
@@ -197,7 +197,7 @@ def jeans(p):
     # stacked rings over the boot, rings round the knee, whiskers from the crotch
     u = np.stack([y * 0.23 + 0.09 * p[:, 2] + 0.08 * p[:, 0], q[:, 2] * 0.11, sign * 4 + q[:, 0] * 0.09], 1)
     rings = fold(noise(u.astype(F32), 1.0, 71), 0.25) - 0.4
-    amount = 1.15 * gauss((y - 14) / 8) + 0.75 * gauss((y - 52) / 9) * (0.6 + 0.4 * (q[:, 2] < 0)) + 0.28
+    amount = 0.78 * gauss((y - 14) / 8) + 0.68 * gauss((y - 52) / 9) * (0.6 + 0.4 * (q[:, 2] < 0)) + 0.28
     leg = leg - amount * rings * smoothstep(7.6, 9.5, y) * smoothstep(90, 78, y)
     d = smin(hips, leg, 2.6)
     fan = np.stack([np.arctan2(y - 78, q[:, 0] + 4) * 2.6, q[:, 0] * 0.04, sign * 3 + q[:, 2] * 0.06], 1)

@@ -274,7 +274,7 @@ def boots(s):
     colour = np.tile(rgb(0.315, 0.180, 0.105), (len(p), 1)) * (0.85 + 0.16 * grain)[:, None]
     colour = colour * (1 + 0.18 * fbm(p, 0.15, 3, 423))[:, None]
     colour = mix(colour, rgb(0.155, 0.085, 0.055), 0.55 * smoothstep(14.5, 18, b[:, 2]))
-    colour = mix(colour, rgb(0.50, 0.35, 0.245), 0.55 * scuff + 0.5 * s.ridge)
+    colour = mix(colour, rgb(0.46, 0.31, 0.21), 0.28 * scuff + 0.5 * s.ridge)
     seam = clothes.boot_seam(b)
     colour = colour * (1 - 0.5 * gauss(seam / 0.16))[:, None]
     colour = mix(colour, rgb(0.55, 0.42, 0.28), 0.8 * stitches(seam, b[:, 0] + b[:, 2] + b[:, 1], 0.38, 0.4))
