@@ -97,6 +97,8 @@ def eye_aperture(q):
 
 def _nose(q):
     d = capsule(q, (0, 165.2, 9.35), (0, 161.0, 11.7), 0.58, 0.72)
+    # the body of the nose, so that no gap stays between its ridge and the face
+    d = smin(d, capsule(q, (0, 164.4, 9.0), (0, 160.5, 10.5), 0.75, 1.05), 0.5)
     d = smin(d, sphere(q, (0, 160.55, 12.0), 0.88), 0.6)
     d = smin(d, ellipsoid(q, (1.2, 160.15, 10.9), (0.72, 0.68, 0.95)), 0.5)
     d = smin(d, capsule(q, (0, 159.7, 11.7), (0, 158.95, 10.1), 0.44, 0.7), 0.4)
