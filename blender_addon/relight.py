@@ -14,7 +14,8 @@ MAPS            maps folder, or its maps.json (docs/maps_json.md)
 --point         point light: position in cm (our axes) and irradiance at 1 m; may be repeated
 --edit          CLASS is skin, hair, fabric or leather; PRESET a name of data/presets.json or #rrggbb (sRGB), a new
                 mean colour; may be repeated, later ones win
---size          width of the picture in pixels, default that of the maps
+--size          width of the picture in pixels; at that of the maps, the default, each pixel of the picture is one of
+                the maps, at others they are interpolated
 --spp           samples a pixel, default 64
 --background    behind the person: transparent (default) or the environment
 --subsurface-scale  factor on the subsurface map, default 1; 0 renders as samples are rendered so far
@@ -117,6 +118,7 @@ def relight(options):
     environment.show_background(scene, options.background == "environment")
     render.prepare(scene, options.spp, options.seed)
     set_size(scene, options.size)
+    render.set_pixel_exact(scene, skin, scene.render.resolution_x == loaded.info.width_px)
     loaded_at = time.monotonic()
     render.to_file(scene, options.output)
     return {"output": os.path.abspath(options.output),

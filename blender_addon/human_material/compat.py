@@ -121,6 +121,12 @@ def set_cycles(scene, samples, seed):
     scene.cycles.use_denoising = False
 
 
+def set_pixel_filter(scene, kind):
+    """"SOFT": Blender's own, 1.5 pixels wide; "BOX": each pixel by itself; "POINT": one point, its centre."""
+    scene.cycles.pixel_filter_type = "BOX" if kind == "BOX" else "BLACKMAN_HARRIS"
+    scene.cycles.filter_width = 0.01 if kind == "POINT" else 1.5   # a box is always one pixel wide
+
+
 def set_plain_view(scene):
     """Pictures show sRGB of the linear values: no film curve."""
     scene.display_settings.display_device = "sRGB"

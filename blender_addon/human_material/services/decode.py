@@ -121,6 +121,28 @@ def grow(values, channels, known, width, height, steps):
         border = list(sums)
 
 
+MIN_FACING = 0.2   # normals are taken to look at the viewer at least so much: slopes of at most 5
+
+
+def grow_depth(depth_cm, normals, known, width, height, steps, pixel_cm):
+    """Like grow, but the surface goes on along its own tangent planes: at the outline it turns away from the viewer
+    as the person does, so that light from the side and from behind reaches it. Normals are grown already."""
+    border = [p for p in range(width * height) if known[p]]
+    for _ in range(steps):
+        found = {}
+        for p in border:
+            nx, ny, nz = normals[3 * p:3 * p + 3]
+            facing = max(nz, MIN_FACING) / pixel_cm
+            for q in neighbours(p, width, height):
+                if not known[q]:
+                    right, up = q % width - p % width, q // width - p // width
+                    found.setdefault(q, []).append(depth_cm[p] - (nx * right + ny * up) / facing)
+        for q, depths in found.items():
+            depth_cm[q] = sum(depths) / len(depths)
+            known[q] = 1
+        border = list(found)
+
+
 def neighbours(p, width, height):
     """The up to eight pixels around p."""
     x, y = p % width, p // width

@@ -107,7 +107,7 @@ def _decoded(info, rasters, warnings):
         decode.decode_each(rasters["diffuse"], 3, pixels, decode.srgb_to_linear)
     decode.decode_each(rasters["specular"], 1, pixels, decode.F0_OF[encoding["specular"]])
     shares = _shares(rasters, pixels, width, height)
-    known = _grown(rasters, shares, mask, width, height)
+    known = _grown(rasters, shares, mask, info)
     return Maps(info, mask, known, rasters["normal"], rasters["diffuse"], rasters["roughness"],
                 rasters["specular"], rasters["sss"], rasters["displacement"], shares, warnings)
 
@@ -120,10 +120,13 @@ def _shares(rasters, pixels, width, height):
                                        height)
 
 
-def _grown(rasters, shares, mask, width, height):
-    known = None
-    for name, channels in (("normal", 3), ("diffuse", 3), ("roughness", 1), ("specular", 1), ("sss", 1),
-                           ("displacement", 1), (None, 4)):
+def _grown(rasters, shares, mask, info):
+    """Carries every raster over the outline; returns where there are values now."""
+    width, height = info.width_px, info.height_px
+    for name, channels in (("normal", 3), ("diffuse", 3), ("roughness", 1), ("specular", 1), ("sss", 1), (None, 4)):
         known = bytearray(value > 0 for value in mask)
         decode.grow(shares if name is None else rasters[name], channels, known, width, height, GROW_PX)
+    known = bytearray(value > 0 for value in mask)
+    decode.grow_depth(rasters["displacement"], rasters["normal"], known, width, height, GROW_PX,
+                      info.camera.frame_width_cm / width)
     return known

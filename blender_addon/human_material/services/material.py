@@ -143,6 +143,15 @@ def set_subsurface_scale(material, factor):
     material.node_tree.nodes[SUBSURFACE_SCALE].inputs[1].default_value = factor
 
 
+TEXTURES = ("diffuse", "normal", "rss", "shares")
+
+
+def set_interpolation(material, smooth):
+    """Smooth between the maps' pixels, or each texel as it is."""
+    for key in TEXTURES:
+        material.node_tree.nodes[NODE + key].interpolation = "Linear" if smooth else "Closest"
+
+
 def is_ours(material):
     return (material is not None and material.node_tree is not None
             and SUBSURFACE_SCALE in material.node_tree.nodes)

@@ -48,6 +48,7 @@ class HM_OT_import_maps(Operator, ImportHelper):
         item, loaded = relief.load_into(context.scene, bpy.path.abspath(self.filepath), settings.jump_cm,
                                         subsurface_method=settings.subsurface_method)
         material.set_subsurface_scale(relief.material_of(item), settings.subsurface_scale)
+        material.set_interpolation(relief.material_of(item), smooth=not settings.pixel_exact)
         for other in context.selected_objects:
             other.select_set(False)
         item.select_set(True)
@@ -128,6 +129,7 @@ class HM_OT_prepare_render(Operator):
     def run(self, context):
         settings = context.scene.hm
         render.prepare(context.scene, settings.samples)
+        settings.pixel_exact = settings.pixel_exact   # applies it to every person
         environment.show_background(context.scene, settings.show_background)
         return "Cycles, %d samples, %s" % (settings.samples, compat.generation())
 

@@ -88,6 +88,7 @@ class HM_PT_render(Panel, bpy.types.Panel):
     def draw(self, context):
         layout = self.prepared()
         layout.prop(context.scene.hm, "samples")
+        layout.prop(context.scene.hm, "pixel_exact")
         layout.operator("hm.prepare_render", icon="SCENE")
         layout.operator("hm.render_picture", icon="RENDER_STILL")
 

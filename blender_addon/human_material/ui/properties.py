@@ -4,7 +4,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
 
 from .. import compat
-from ..services import environment, material, relief
+from ..services import environment, material, relief, render
 
 SUBSURFACE_ITEMS = (
     ("burley", "Burley", "Means the same in every Blender"),
@@ -35,6 +35,13 @@ def _update_subsurface(self, context):
             compat.set_subsurface_method(found.node_tree.nodes[material.PRINCIPLED], self.subsurface_method)
 
 
+def _update_pixel_exact(self, context):
+    for item in relief.reliefs(context.scene):
+        found = relief.material_of(item)
+        if found:
+            render.set_pixel_exact(context.scene, found, self.pixel_exact)
+
+
 class HM_PG_scene(bpy.types.PropertyGroup):
     jump_cm: FloatProperty(
         name="Cut Depth Jumps", default=5.0, min=0.1, soft_max=50, subtype="NONE",
@@ -57,6 +64,10 @@ class HM_PG_scene(bpy.types.PropertyGroup):
         description="Where a new point light goes, in cm: right, up from the ground, towards the viewer")
     point_intensity: FloatProperty(name="Intensity", default=5.0, min=0.0, soft_max=20,
                                    description="Irradiance of a new point light at 1 m")
+    pixel_exact: BoolProperty(
+        name="Pixel Exact", default=True, update=_update_pixel_exact,
+        description="Each pixel of the picture is one of the maps, for the matched camera at the maps' size. Turn off "
+                    "for other views and sizes: then the maps are interpolated")
     samples: IntProperty(name="Samples", default=64, min=1, soft_max=1024, description="Samples a pixel")
 
 

@@ -35,12 +35,10 @@ def light_up(scene, direction=None, sky=0.0, peak=1000.0, rotation_deg=0.0):
 
 
 def rendered(scene, samples=16, exact=False):
-    """RGB of each pixel, rows from the bottom. exact: one ray through each pixel's centre."""
+    """RGB of each pixel, rows from the bottom. exact: rays through each pixel's centre only."""
     render.prepare(scene, samples)
     scene.render.film_transparent = True
-    scene.cycles.pixel_filter_type = "BOX" if exact else "BLACKMAN_HARRIS"
-    scene.render.filter_size = 1.5
-    scene.cycles.filter_width = 0.01 if exact else 1.5
+    compat.set_pixel_filter(scene, "POINT" if exact else "SOFT")
     path = os.path.join(folder(), "picture.exr")
     render.to_file(scene, path)
     return read_raster(path, 3, scene.render.resolution_x, scene.render.resolution_y)

@@ -57,3 +57,15 @@ class Decode(unittest.TestCase):
         raster, known = array("f", (0, 0, 3, 0, 0)), bytearray((0, 0, 1, 0, 0))
         decode.grow(raster, 1, known, 5, 1, 1)
         self.assertEqual((list(raster), list(known)), ([0, 3, 3, 3, 0], [0, 1, 1, 1, 0]))
+
+    def test_depth_grows_along_the_tangent_plane(self):
+        """A plane that falls 2 cm a pixel to the right goes on so; one that faces away falls 5 at most."""
+        normal = (2 / 5 ** 0.5, 0, 1 / 5 ** 0.5)
+        raster, known = array("f", (0, 0, -4, 0, 0)), bytearray((0, 0, 1, 0, 0))
+        normals = array("f", normal * 5)
+        decode.grow_depth(raster, normals, known, 5, 1, 2, 1.0)
+        for found, wanted in zip(raster, (0, -2, -4, -6, -8)):
+            self.assertAlmostEqual(found, wanted, places=5)
+        raster, known = array("f", (0, 0)), bytearray((1, 0))
+        decode.grow_depth(raster, array("f", (1, 0, 0) * 2), known, 2, 1, 1, 1.0)
+        self.assertAlmostEqual(raster[1], -5, places=5)
