@@ -35,4 +35,7 @@ def main(names):
 if __name__ == "__main__":
     inside_blender = bool(bpy.app.binary_path)
     arguments = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else [] if inside_blender else sys.argv[1:]
-    sys.exit(int(main(arguments)))
+    status = int(main(arguments))
+    if not inside_blender:
+        os._exit(status)   # some bpy modules crash when Python ends
+    sys.exit(status)
