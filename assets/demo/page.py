@@ -110,12 +110,23 @@ def add_samples(page):
 def add_validation(page):
     folder = page.out / "validation"
     report = read_json(folder / "validate.json")
-    page.heading("4. Equal to Cycles?", html.escape(report.get("verdict", "")))
-    page.row([page.figure(folder / p["file"], p["caption"], 270) for p in report["pictures"]])
-    regions = report["regions"]
-    page.table(("region", "pixels", "mean ratio ours / Cycles", "95 % interval"),
-               [(r["name"], f"{r['pixels']:.0f}", f"{r['ratio']:.5f}", f"{r['low']:.5f} to {r['high']:.5f}") for r in regions])
-    page.add(f"<p>{html.escape(report['summary'])}</p>")
+    words = {"equal": "Equal.", "different": "Different.", "undecided": "No difference found; more samples would tell "
+             "more closely."}.get(report["verdict"], report["verdict"])
+    settings = report["settings"]
+    page.heading("4. Equal to Cycles?", f"<b>{html.escape(words)}</b> The same view in Blender {report['blender']} and here, "
+                 f"{settings['seeds']} seeds of {settings['spp']} paths a pixel on each side, subsurface set to 0.")
+    captions = {"ours": "ours", "cycles": "Cycles", "difference": "difference, relative", "z": "Z of each 3 x 3 bin"}
+    page.row([page.figure(folder / f"{name}.png", caption, 270) for name, caption in captions.items()])
+    rows = [(r["name"], f"{r['pixels']:.0f}", f"{r['ratio']['value']:.4f}",
+             f"{r['ratio']['low']:.4f} to {r['ratio']['high']:.4f}") for r in report["regions"]]
+    page.table(("region", "pixels", "mean, ours / Cycles", "95 % interval"), rows)
+    bins, cost, speed = report["bins"], report["cost"], report["speed_at_equal_error"]
+    page.add(f"<p>{bins['accepted']} of {bins['bins']} bins of 3 x 3 pixels accepted by the Z-test. One seed took "
+             f"{cost['ours']['wall_s']:.2f} s here and {cost['cycles']['wall_s']:.2f} s in Cycles; at equal error "
+             f"Cycles takes {speed['wall']:.2f} times as long. "
+             "The full report is <code>validation/index.html</code> in the same folder.</p>")
+    for reason in report["reasons"]:
+        page.add(f"<p>{html.escape(reason)}</p>")
 
 
 def add_costs(page, seconds_in_all):
