@@ -10,6 +10,7 @@
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/checked_output.h"
 #include "dataset/model/error.h"
+#include "dataset/model/image_damage.h"
 #include "dataset/model/oiio_compat.h"
 
 namespace ohb {
@@ -20,8 +21,13 @@ constexpr float kHalfMax = 65504.0f;
 constexpr const char* kFixedDateTime = "2000:01:01 00:00:00";
 constexpr int kMaxEdge_px = 65536;
 
+/// OpenImageIO may give several lines.
+std::string first_line(const std::string& text) {
+  return text.substr(0, text.find('\n'));
+}
+
 [[noreturn]] void throw_unreadable(const fs::path& file, const std::string& reason) {
-  throw InputError(file.string(), "", "cannot be read as an image (" + reason + ")",
+  throw InputError(file.string(), "", "cannot be read as an image (" + first_line(reason) + ")",
                    "export it again as PNG, JPEG, TIFF or EXR");
 }
 
@@ -37,7 +43,7 @@ const char* format_of(std::string_view start) {
 }
 
 /// A header may claim any size; no format packs more than about this many values into a byte.
-constexpr size_t kMaxValuesPerByte = 2000, kMaxValues = size_t{1} << 30;
+constexpr size_t kMaxValuesPerByte = 10000, kMaxValues = size_t{1} << 30;
 
 void check_size(const OIIO::ImageSpec& spec, size_t byte_count, const fs::path& file) {
   const std::string size = std::to_string(spec.width) + " x " + std::to_string(spec.height) + " x " +
@@ -50,6 +56,12 @@ void check_size(const OIIO::ImageSpec& spec, size_t byte_count, const fs::path& 
     throw_unreadable(file, "claims " + size + " values in " + std::to_string(byte_count) + " bytes");
 }
 
+/// Before the decoder sees it: libpng prints to stderr and libjpeg fills what is missing.
+void check_complete(const fs::path& file, std::string_view format, std::string_view bytes) {
+  const std::string damage = format == "png" ? png_damage(bytes) : jpeg_damage(bytes);
+  if (!damage.empty()) throw InputError(file.string(), "", "is " + damage, "copy or export it again");
+}
+
 /// An image that is open for reading, from a file or from memory.
 struct OpenImage {
   std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;  // must outlive `input`
@@ -58,15 +70,18 @@ struct OpenImage {
   size_t byte_count = 0;
 };
 
-void open_input(OpenImage& image, std::string_view start) {
+/// `bytes`: the whole image, or its start if it is a file.
+void open_input(OpenImage& image, std::string_view bytes) {
   if (image.byte_count == 0)
     throw InputError(image.file.string(), "", "is empty (0 bytes)", "copy or export it again");
-  const char* format = format_of(start);
+  const char* format = format_of(bytes);
   if (!format)
     throw InputError(image.file.string(), "", "is no PNG, JPEG, TIFF, EXR or HDR image",
                      "export it as one of these");
   OIIO::ImageSpec config, spec;
   config["oiio:UnassociatedAlpha"] = 1;
+  if (std::string_view(format) == "png" || std::string_view(format) == "jpeg")
+    check_complete(image.file, format, image.memory ? bytes : read_file(image.file));
   image.input = OIIO::ImageInput::create(format);
   if (!image.input) throw_unreadable(image.file, oiio_error(nullptr));
   if (image.memory) image.input->set_ioproxy(image.memory.get());

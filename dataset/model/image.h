@@ -40,8 +40,8 @@ Image read_image(const std::filesystem::path& file, ImageFileInfo* info = nullpt
 /// The same of an encoded image in memory; `name` stands for the file in messages.
 Image read_image_bytes(const std::string& bytes, const std::string& name, ImageFileInfo* info = nullptr);
 
-/// Reads the header only: what read_image would say in `info`. Throws as read_image, apart from damage
-/// beyond the header.
+/// What read_image would say in `info`, without decoding. Throws as read_image; damage of the pixels is found
+/// in PNG (checksums) and JPEG (missing end) only.
 ImageFileInfo probe_image(const std::filesystem::path& file);
 ImageFileInfo probe_image_bytes(const std::string& bytes, const std::string& name);
 

@@ -4,6 +4,7 @@
 #include <random>
 
 #include "dataset/model/atomic_file.h"
+#include "tests/support/fbx_files.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_files.h"
@@ -198,6 +199,38 @@ TEST(ScanGltf, WeldsWhatUvSeamsSplit) {
     const auto p = [&](int k) { return scan.positions[scan.corners[t.corner[k]].position]; };
     EXPECT_GT(cross(p(1) - p(0), p(2) - p(0)).z, 0) << "a mirrored node keeps its front";
   }
+}
+
+TEST(ScanFbx, BinaryAndAsciiAgree) {
+  const TemporaryFolder folder;
+  for (const std::string& bytes : {quad_fbx(), ascii_quad_fbx()}) {
+    const Scan scan = read_scan(write_bytes(folder / "scan.fbx", bytes));
+    ASSERT_EQ(scan.face_count(), 1u);
+    EXPECT_EQ(scan.stated_unit_cm, 100.0);
+    EXPECT_EQ(scan.groups, std::vector<std::string>{"body"});
+    EXPECT_EQ(scan.materials.at(scan.face_material[0]).name, "cloth");
+    ASSERT_EQ(scan.corners.size(), 4u);
+    const Vec3f p = scan.positions[scan.corners[2].position];
+    EXPECT_EQ(p.x, 2.0f);
+    EXPECT_EQ(p.y, 2.0f);
+    EXPECT_EQ(scan.uvs[scan.corners[3].uv].y, 1.0f);
+  }
+}
+
+TEST(ScanFbx, ZUpIsTurnedAndMirroredFacesKeepTheirFront) {
+  std::string text = ascii_quad_fbx();
+  text.replace(text.find("\t\tP: \"UnitScale"), 0,
+               "\t\tP: \"UpAxis\", \"int\", \"Integer\", \"\",2\n\t\tP: \"CoordAxis\", \"int\", \"Integer\", "
+               "\"\",0\n");
+  text.replace(text.find("\"A\",2,2,2"), 9, "\"A\",2,2,-2");
+  const TemporaryFolder folder;
+  const Scan scan = read_scan(write_bytes(folder / "scan.fbx", text));
+  const Vec3f p = scan.positions[2];  // (1, 1, 0), Z up
+  EXPECT_EQ(p.x, 2.0f);
+  EXPECT_EQ(p.y, 0.0f);
+  EXPECT_EQ(p.z, -2.0f);
+  EXPECT_EQ(scan.corners[0].position, 0u);
+  EXPECT_EQ(scan.corners[1].position, 3u);
 }
 
 TEST(ScanFiles, EveryHumanLoadsWithTheCountsOfItsFile) {
