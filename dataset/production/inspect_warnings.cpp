@@ -103,8 +103,9 @@ void warn_about_pictures(const MaterialReport& m, Warnings& warnings) {
     warnings.add(p.use == "normal" && p.convention.convention == NormalConvention::kDirectX,
                  who + "the normal map is of the DirectX kind (green down)", "flip its green channel");
     warnings.add(p.use == "normal" && p.convention.convention == NormalConvention::kUnclear,
-                 who + "the normal map's convention cannot be told",
-                 "make sure that its green points up (OpenGL)");
+                 who + "the normal map's convention cannot be told for certain (it leans to " +
+                     (p.convention.leans_to_opengl() ? "OpenGL)" : "DirectX)"),
+                 "make sure that its green points up (OpenGL), as it is taken");
   }
 }
 

@@ -1,6 +1,9 @@
 #include "dataset/model/scan.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
 #include <random>
 
 #include "dataset/model/atomic_file.h"
@@ -199,6 +202,79 @@ TEST(ScanGltf, WeldsWhatUvSeamsSplit) {
     const auto p = [&](int k) { return scan.positions[scan.corners[t.corner[k]].position]; };
     EXPECT_GT(cross(p(1) - p(0), p(2) - p(0)).z, 0) << "a mirrored node keeps its front";
   }
+}
+
+/// A wavy sheet of n x n quads in two materials, whose UVs are split along the middle.
+std::string sheet_obj(int n) {
+  std::string text = "mtllib m.mtl\n";
+  char line[160];
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      std::snprintf(line, sizeof line, "v %.6g %.6g %.6g\nvt %.6g %.6g\nvt %.6g %.6g\n", 0.1 * i,
+                    0.1 * j + 0.01 * (i % 3), 0.03 * ((i * 7 + j * 5) % 11), 0.4 * i / n, 0.8 * j / n,
+                    0.5 + 0.4 * i / n, 0.8 * j / n);
+      text += line;
+    }
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i + 1, c = a + n + 2, shift = i < n / 2 ? 1 : 0;
+      std::snprintf(line, sizeof line, "usemtl %s\nf %d/%d %d/%d %d/%d %d/%d\n", (i + j) % 3 ? "red" : "blue",
+                    a, 2 * a - shift, a + 1, 2 * (a + 1) - shift, c, 2 * c - shift, c - 1,
+                    2 * (c - 1) - shift);
+      text += line;
+    }
+  return text;
+}
+
+/// Corners in face order as (x, y, z, u, v) in cm.
+std::vector<std::array<double, 5>> corners_of(const Scan& scan, double unit_cm) {
+  std::vector<std::array<double, 5>> all;
+  for (const Corner& corner : scan.corners) {
+    const Vec3f p = scan.positions[corner.position];
+    const Vec2f uv = scan.uvs[corner.uv];
+    all.push_back({unit_cm * p.x, unit_cm * p.y, unit_cm * p.z, uv.x, uv.y});
+  }
+  return all;
+}
+
+TEST(ScanFiles, BlendersGlbAndFbxOfAnObjAreTheSameScan) {
+  if (std::system("blender --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "Blender is not there";
+  const TemporaryFolder folder;
+  write_small_png(folder / "p.png");
+  write_bytes(folder / "m.mtl", "newmtl red\nmap_Kd p.png\nnewmtl blue\nmap_Kd p.png\n");
+  const int n = 12;
+  write_bytes(folder / "sheet.obj", sheet_obj(n));
+  const std::string command = "blender -b --factory-startup -noaudio -P " OHB_SOURCE_DIR
+                              "/tests/dataset/convert_scan.py -- " +
+                              (folder / "sheet.obj").string() + " " + (folder / "sheet.glb").string() + " " +
+                              (folder / "sheet.fbx").string() + " > /dev/null 2>&1";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const Scan obj = read_scan(folder / "sheet.obj"), glb = read_scan(folder / "sheet.glb"),
+             fbx = read_scan(folder / "sheet.fbx");
+  // Blender took the OBJ's units for metres; its FBX states centimetres and scales the node by 100.
+  const auto expected = corners_of(obj, 100), polygons = corners_of(fbx, *fbx.stated_unit_cm);
+  ASSERT_EQ(polygons.size(), expected.size());
+  for (size_t c = 0; c < expected.size(); ++c)
+    for (size_t k = 0; k < 5; ++k) ASSERT_NEAR(polygons[c][k], expected[c][k], 1e-4) << "corner " << c;
+  for (size_t f = 0; f < obj.face_count(); ++f)
+    ASSERT_EQ(fbx.materials[fbx.face_material[f]].name, obj.materials[obj.face_material[f]].name);
+  EXPECT_EQ(fbx.positions.size(), obj.positions.size());
+  EXPECT_EQ(glb.positions.size(), obj.positions.size())
+      << "split at UV seams and materials, and welded again";
+  EXPECT_EQ(glb.face_count(), 2 * obj.face_count());
+  // GLB sorts faces by material; every corner of ours is one of its corners.
+  auto triangles = corners_of(glb, *glb.stated_unit_cm);
+  for (const auto& corner : expected) {
+    const bool found = std::any_of(triangles.begin(), triangles.end(), [&](const auto& other) {
+      double farthest = 0;
+      for (size_t k = 0; k < 5; ++k) farthest = std::max(farthest, std::abs(other[k] - corner[k]));
+      return farthest < 1e-3;
+    });
+    ASSERT_TRUE(found);
+  }
+  for (const Scan* scan : {&glb, &fbx})
+    for (const ScanMaterial& material : scan->materials)
+      EXPECT_EQ(read_image(material.diffuse).values, read_image(folder / "p.png").values);
 }
 
 TEST(ScanFbx, BinaryAndAsciiAgree) {
