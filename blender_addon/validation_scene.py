@@ -5,8 +5,9 @@
 
 Input: scene.json and the raw little-endian arrays and images that it names, beside it (see
 renderer/validation/cycles_scene.h). Lengths are metres, axes are Blender's.
-Output, in the folder `output` of scene.json: seed_<k>.exr (float RGBA, linear Rec. 709, premultiplied) and
-report.json (versions, every setting as asked for and as read back after the last render, times).
+Output, in the folder `output` of scene.json: pass_<i>_seed_<k>_box_<j>.exr (whole frame, float RGBA, linear
+Rec. 709, premultiplied; 0 outside the box) and report.json (versions, every setting as asked for last and as read
+back after the last render, times).
 Prints `progress <done> <total>` lines. Exits 1 with a Python traceback if anything is wrong.
 
 Holds for Blender 3.4: socket names, Principled v1, sampling patterns (see docs/commands/validate.md).
@@ -24,14 +25,14 @@ FORMAT = "openhumanbrdf validation scene 1"
 
 
 class Settings:
-    """Sets properties and remembers them, so that they can be read back after the render."""
+    """Sets properties and remembers the last value, so that they can be read back after the render."""
 
     def __init__(self):
-        self.entries = []
+        self.entries = {}
 
     def set(self, name, owner, attribute, value):
         setattr(owner, attribute, value)
-        self.entries.append((name + "." + attribute, owner, attribute, value))
+        self.entries[name + "." + attribute] = (owner, attribute, value)
 
     def set_all(self, name, owner, values):
         for attribute, value in values.items():
@@ -40,7 +41,7 @@ class Settings:
     def read_back(self):
         """Each setting as asked for and as it is now, and whether they agree."""
         rows = []
-        for name, owner, attribute, wanted in self.entries:
+        for name, (owner, attribute, wanted) in self.entries.items():
             found = plain(getattr(owner, attribute))
             wanted = plain(wanted)
             rows.append({"name": name, "wanted": wanted, "found": found, "same": equal(wanted, found)})
@@ -264,7 +265,7 @@ def set_cycles(settings, scene, description):
     bounces = description["bounces"]
     settings.set("scene.render", scene.render, "engine", "CYCLES")
     settings.set_all("scene.cycles", scene.cycles, {
-        "device": "CPU", "feature_set": "SUPPORTED", "samples": description["spp"], "sample_offset": 0,
+        "device": "CPU", "feature_set": "SUPPORTED", "sample_offset": 0,
         "use_adaptive_sampling": False, "use_denoising": False, "time_limit": 0.0,
         "sample_clamp_indirect": 0.0, "sample_clamp_direct": 0.0, "blur_glossy": 0.0,
         "caustics_reflective": True, "caustics_refractive": True, "light_sampling_threshold": 0.0,
@@ -279,7 +280,7 @@ def set_cycles(settings, scene, description):
 def set_output(settings, scene, size_px):
     settings.set_all("scene.render", scene.render, {
         "resolution_x": size_px, "resolution_y": size_px, "resolution_percentage": 100,
-        "pixel_aspect_x": 1.0, "pixel_aspect_y": 1.0, "use_border": False, "film_transparent": True,
+        "pixel_aspect_x": 1.0, "pixel_aspect_y": 1.0, "film_transparent": True,
         "use_compositing": False, "use_sequencer": False, "use_motion_blur": False, "use_simplify": False,
         "use_persistent_data": True, "use_multiview": False, "use_stamp": False, "use_overwrite": True})
     settings.set_all("scene.render.image_settings", scene.render.image_settings, {
@@ -322,29 +323,59 @@ def timed(action):
     return time.perf_counter() - wall, time.process_time() - processor
 
 
-def warm_up(scene, path):
-    """Loads meshes and images and builds the trees; persistent data keeps them for the seeds."""
-    samples = scene.cycles.samples
-    scene.cycles.samples = 1
-    render_seed(scene, 1, path)
-    os.remove(path)
-    scene.cycles.samples = samples
-
-
-def render_seed(scene, seed, path):
-    scene.cycles.seed = seed
+def render_image(settings, spp, seed, path):
+    scene = bpy.context.scene
+    settings.set("scene.cycles", scene.cycles, "samples", spp)
+    settings.set("scene.cycles", scene.cycles, "seed", seed)
     scene.render.filepath = path
     bpy.ops.render.render(write_still=True)
 
 
-def render_seeds(scene, folder, seeds):
-    rows = []
-    for number, seed in enumerate(seeds):
-        name = "seed_%d.exr" % number
-        wall, processor = timed(lambda: render_seed(scene, seed, os.path.join(folder, name)))
-        rows.append({"file": name, "seed": seed, "wall_s": wall, "cpu_s": processor})
-        print("progress %d %d" % (number + 1, len(seeds)), flush=True)
-    return rows
+def warm_up(settings, path):
+    """Loads meshes and images and builds the trees; persistent data keeps them for the seeds."""
+    render_image(settings, 1, 1, path)
+    os.remove(path)
+
+
+def set_box(settings, box, size_px):
+    """Renders only the pixels x0 <= x < x1, y0 <= y < y1 (row 0 at the top) of the frame; all if there is no box."""
+    x0, y0, x1, y1 = box or (0, 0, size_px, size_px)
+    render = bpy.context.scene.render
+    inside = 0.01   # of a pixel: neither rounding nor cutting moves the edge
+    settings.set_all("scene.render", render, {
+        "use_border": box is not None, "use_crop_to_border": False,
+        "border_min_x": (x0 + inside) / size_px, "border_max_x": min(1.0, (x1 + inside) / size_px),
+        "border_min_y": (size_px - y1 + inside) / size_px,
+        "border_max_y": min(1.0, (size_px - y0 + inside) / size_px)})
+
+
+def render_seed(settings, spp, seed, boxes, size_px, output, name):
+    """One image, of as many files as there are boxes."""
+    row = {"seed": seed, "spp": spp, "files": [], "wall_s": 0.0, "cpu_s": 0.0}
+    for number, box in enumerate(boxes or [None]):
+        set_box(settings, box, size_px)
+        file = "%s_box_%d.exr" % (name, number)
+        wall, processor = timed(lambda: render_image(settings, spp, seed, os.path.join(output, file)))
+        row["files"].append(file)
+        row["wall_s"] += wall
+        row["cpu_s"] += processor
+    return row
+
+
+def render_passes(settings, description, output):
+    passes = []
+    total = sum(len(work["seeds"]) for work in description["passes"])
+    done = 0
+    print("progress %d %d" % (done, total), flush=True)
+    for number, work in enumerate(description["passes"]):
+        rows = []
+        for k, seed in enumerate(work["seeds"]):
+            rows.append(render_seed(settings, work["spp"], seed, work["boxes"], description["size_px"], output,
+                                    "pass_%d_seed_%d" % (number, k)))
+            done += 1
+            print("progress %d %d" % (done, total), flush=True)
+        passes.append(rows)
+    return passes
 
 
 def run(path):
@@ -355,14 +386,13 @@ def run(path):
         raise ValueError("%s: format '%s' is not '%s'" % (path, description["format"], FORMAT))
     output = os.path.join(folder, description["output"])
     os.makedirs(output, exist_ok=True)
-    scene = bpy.context.scene
     built = []
     build_s, _ = timed(lambda: built.append(build_scene(folder, description)))
-    load_s, load_cpu_s = timed(lambda: warm_up(scene, os.path.join(output, "warm_up.exr")))
-    print("progress 0 %d" % len(description["seeds"]), flush=True)
-    renders = render_seeds(scene, output, description["seeds"])
-    report = {"versions": {"blender": bpy.app.version_string}, "build_s": build_s, "load_s": load_s, "load_cpu_s": load_cpu_s,
-              "renders": renders, "settings": built[0].read_back()}
+    settings = built[0]
+    load_s, load_cpu_s = timed(lambda: warm_up(settings, os.path.join(output, "warm_up.exr")))
+    passes = render_passes(settings, description, output)
+    report = {"versions": {"blender": bpy.app.version_string}, "build_s": build_s, "load_s": load_s,
+              "load_cpu_s": load_cpu_s, "passes": passes, "settings": settings.read_back()}
     with open(os.path.join(output, "report.json"), "w", encoding="utf-8") as file:
         json.dump(report, file, indent=1)
 

@@ -169,10 +169,12 @@ std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& light
                             turn_about_y({0, 0, 1}, -turn_rad),
                             settings.max_bounces};
   const ViewCamera view(camera, turn_rad, settings.size_px);
+  const bool whole = settings.crop.x1 <= settings.crop.x0 || settings.crop.y1 <= settings.crop.y0;
+  const PixelBox box = whole ? PixelBox{0, 0, settings.size_px, settings.size_px} : settings.crop;
   std::mutex record_mutex;
   std::atomic<uint64_t> closest_hit{0}, shadow{0}, nonfinite{0};
   tbb::parallel_for(
-      tbb::blocked_range2d<int>(0, settings.size_px, kTile_px, 0, settings.size_px, kTile_px),
+      tbb::blocked_range2d<int>(box.y0, box.y1, kTile_px, box.x0, box.x1, kTile_px),
       [&](const tbb::blocked_range2d<int>& range) {
         // Embree is slow on denormals; no radiance that small is visible.
         _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
@@ -193,7 +195,7 @@ std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& light
       },
       tbb::simple_partitioner());
   if (statistics) {
-    const uint64_t pixels = static_cast<uint64_t>(settings.size_px) * static_cast<uint64_t>(settings.size_px);
+    const uint64_t pixels = static_cast<uint64_t>(box.x1 - box.x0) * static_cast<uint64_t>(box.y1 - box.y0);
     statistics->paths += pixels * static_cast<uint64_t>(settings.spp);
     statistics->closest_hit_rays += closest_hit;
     statistics->shadow_rays += shadow;

@@ -22,6 +22,11 @@ struct PointLight {
   float intensity = 1;
 };
 
+/// Pixels x0 <= x < x1, y0 <= y < y1, row 0 at the top.
+struct PixelBox {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+
 struct RenderSettings {
   int size_px = 512;     // square image
   int spp = 256;         // paths a pixel, each serving every light
@@ -30,6 +35,8 @@ struct RenderSettings {
   int map_grid = 8;      // the maps average map_grid x map_grid points a pixel
   /// Cycles sends sample 0 of each pixel through the centre; set it to equal Cycles at the same spp.
   bool first_sample_at_centre = false;
+  /// Only these pixels of the lights' images, the others stay 0; empty: all. Does not change what a pixel is.
+  PixelBox crop{};
 };
 
 /// One query of a bounding volume hierarchy, for benchmarks that repeat it with bare Embree.

@@ -25,9 +25,10 @@ void parse_view(const std::string& text, ValidationSettings& settings) {
 
 void print_summary(const Validation& v, const fs::path& output) {
   std::printf("%-12s %9s  %s\n", "region", "pixels", "ours / Cycles - 1, 95 % interval");
-  for (const RegionRatio& region : v.regions)
-    std::printf("%-12s %9.0f  %+.3f %%  [%+.3f, %+.3f]\n", region.name.c_str(), region.weight_px,
-                100 * (region.total.value - 1), 100 * (region.total.low - 1), 100 * (region.total.high - 1));
+  for (const auto& [region, spp, seeds] : v.regions)
+    std::printf("%-12s %9.0f  %+.3f %%  [%+.3f, %+.3f]  %d x %d paths\n", region.name.c_str(),
+                region.weight_px, 100 * (region.total.value - 1), 100 * (region.total.low - 1),
+                100 * (region.total.high - 1), seeds, spp);
   std::printf("bins of 3 x 3 px accepted: %zu of %zu (%.2f %%); outline: %zu of %zu\n",
               v.inside_bins.accepted, v.inside_bins.bins, 100 * v.inside_bins.accepted_share,
               v.band_bins.accepted, v.band_bins.bins);
@@ -78,13 +79,19 @@ void add_validate_command(CLI::App& app, Commands& commands) {
       ->check(CLI::Range(8, 8192))
       ->capture_default_str();
   command->add_option("--spp", settings.spp, "paths a pixel of one image")
-      ->check(CLI::Range(1, 8192))
+      ->check(CLI::Range(1, kMaxCyclesSpp))
       ->capture_default_str();
   command->add_option("--seeds", settings.seeds, "images a side, each with its own seed")
       ->check(CLI::Range(2, 1024))
       ->capture_default_str();
   command->add_option("--bounces", settings.max_bounces, "indirect bounces at most")
       ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--focus", settings.focus,
+          "regions that are too noisy are rendered again, alone, with up to so many times the work; 1: never")
+      ->check(CLI::Range(1.0, 1e6))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "folder for the report")->required();
   add_common_options(*command, commands.common);

@@ -25,6 +25,20 @@ std::string reason_of(const std::vector<std::string>& lines) {
   return lines.empty() ? "no output" : lines.back();
 }
 
+/// One image, the sum of the files of its boxes.
+CyclesRender read_render(const fs::path& renders, const json& row) {
+  CyclesRender render{row.at("seed"), row.at("wall_s"), row.at("cpu_s"), {}};
+  for (const std::string file : row.at("files")) {
+    const Image image = read_image(renders / file);
+    if (render.rgba.values.empty()) {
+      render.rgba = image;
+      continue;
+    }
+    for (size_t i = 0; i < image.values.size(); ++i) render.rgba.values[i] += image.values[i];
+  }
+  return render;
+}
+
 CyclesRun read_report(const fs::path& renders) {
   const json report = json::parse(read_file(renders / "report.json"));
   CyclesRun run;
@@ -33,9 +47,10 @@ CyclesRun read_report(const fs::path& renders) {
   run.load_cpu_s = report.at("load_cpu_s");
   for (const json& row : report.at("settings"))
     run.settings.push_back({row.at("name"), row.at("wanted").dump(), row.at("found").dump(), row.at("same")});
-  for (const json& row : report.at("renders"))
-    run.renders.push_back({row.at("seed"), row.at("wall_s"), row.at("cpu_s"),
-                           read_image(renders / row.at("file").get<std::string>())});
+  for (const json& pass : report.at("passes")) {
+    run.passes.emplace_back();
+    for (const json& row : pass) run.passes.back().push_back(read_render(renders, row));
+  }
   return run;
 }
 

@@ -33,9 +33,9 @@ struct CyclesRender {
 };
 
 struct CyclesRun {
-  std::string version;                // Blender's
-  double load_s = 0, load_cpu_s = 0;  // scene, trees and tables, with one sample a pixel
-  std::vector<CyclesRender> renders;  // in the order of the scene's seeds
+  std::string version;                            // Blender's
+  double load_s = 0, load_cpu_s = 0;              // scene, trees and tables, with one sample a pixel
+  std::vector<std::vector<CyclesRender>> passes;  // of the scene, in its order; in each one a seed
   std::vector<CyclesSetting> settings;
 };
 

@@ -117,6 +117,12 @@ json describe_camera(const Camera& camera) {
           {"clip_end", 100.0 * camera.distance_cm * kMetrePerCm}};
 }
 
+json describe_pass(const CyclesPass& pass) {
+  json boxes = json::array();
+  for (const PixelBox& box : pass.boxes) boxes.push_back({box.x0, box.y0, box.x1, box.y1});
+  return {{"spp", pass.spp}, {"seeds", pass.seeds}, {"boxes", boxes}};
+}
+
 }  // namespace
 
 std::vector<uint32_t> cycles_seeds(uint64_t seed, int count) {
@@ -139,13 +145,13 @@ void write_cycles_scene(const fs::path& folder, const CyclesScene& scene) {
                       {"camera", describe_camera(scene.camera)},
                       {"turn", scene.turn_rad},
                       {"size_px", scene.size_px},
-                      {"spp", scene.spp},
                       {"bounces", scene.max_bounces},
                       {"sampling_pattern", "PROGRESSIVE_MULTI_JITTER"},
-                      {"seeds", scene.seeds},
+                      {"passes", json::array()},
                       {"output", "renders"}};
   for (size_t i = 0; i < scene.model->sets.size(); ++i)
     description["texture_sets"].push_back(write_texture_set(folder, scene.model->sets[i], i));
+  for (const CyclesPass& pass : scene.passes) description["passes"].push_back(describe_pass(pass));
   write_file_atomically(folder / "scene.json", description.dump(1) + "\n");
 }
 

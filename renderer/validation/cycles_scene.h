@@ -14,6 +14,14 @@
 
 namespace ohb {
 
+/// One round of images over all or some pixels.
+struct CyclesPass {
+  int spp = 128;                // at most kMaxCyclesSpp
+  std::vector<uint32_t> seeds;  // below 2^31; one image each
+  std::vector<PixelBox> boxes;  // apart from each other; none: the whole image
+};
+constexpr int kMaxCyclesSpp = 8192;  // Cycles' sampling tables end there
+
 struct CyclesScene {
   const Model* model = nullptr;
   const Environment* environment = nullptr;  // null: black
@@ -21,10 +29,9 @@ struct CyclesScene {
   Camera camera;
   double turn_rad = 0;  // of the subject about +Y
   int size_px = 256;
-  int spp = 128;                // at most 8192: Cycles' tables end there
-  int max_bounces = 32;         // of every kind; cut-outs pass 256
-  float sss_scale = 0;          // times the sss map; 0: diffuse, as our renderer does
-  std::vector<uint32_t> seeds;  // below 2^31; one image each
+  int max_bounces = 32;  // of every kind; cut-outs pass 256
+  float sss_scale = 0;   // times the sss map; 0: diffuse, as our renderer does
+  std::vector<CyclesPass> passes;
 };
 
 /// `count` seeds for Cycles, 31 bits, hashed from ours (its sampler mixes the seed by XOR: 1, 2, 3 would do

@@ -19,10 +19,13 @@ json to_json(const Interval& interval) {
   return {{"value", interval.value}, {"low", interval.low}, {"high", interval.high}};
 }
 
-json to_json(const RegionRatio& region, const ValidationThresholds& limits) {
+json to_json(const RegionResult& result, const ValidationThresholds& limits) {
+  const RegionRatio& region = result.ratio;
   return {{"name", region.name},
           {"pixels", region.weight_px},
-          {"judged", region.weight_px >= limits.least_region_px},
+          {"judged", is_judged(region, limits)},
+          {"spp", result.spp},
+          {"seeds", result.seeds},
           {"mean_ours", region.mean_a},
           {"mean_cycles", region.mean_b},
           {"ratio", to_json(region.total)},
@@ -48,8 +51,9 @@ json to_json(const SideCost& cost) {
 }
 
 json settings_json(const ValidationSettings& s) {
-  return {{"view", s.view},   {"view_count", s.view_count}, {"size_px", s.size_px}, {"spp", s.spp},
-          {"seeds", s.seeds}, {"bounces", s.max_bounces},   {"threads", s.threads}, {"seed", s.seed}};
+  return {{"view", s.view},   {"view_count", s.view_count}, {"size_px", s.size_px},
+          {"spp", s.spp},     {"seeds", s.seeds},           {"bounces", s.max_bounces},
+          {"focus", s.focus}, {"threads", s.threads},       {"seed", s.seed}};
 }
 
 void write_moments(const fs::path& file, const Moments& moments) {
@@ -65,7 +69,7 @@ void write_moments(const fs::path& file, const Moments& moments) {
 std::string validation_json(const Validation& v) {
   const ValidationThresholds& limits = v.settings.thresholds;
   json regions = json::array(), blender = json::array();
-  for (const RegionRatio& region : v.regions) regions.push_back(to_json(region, limits));
+  for (const RegionResult& region : v.regions) regions.push_back(to_json(region, limits));
   for (const CyclesSetting& setting : v.blender_settings)
     blender.push_back({{"name", setting.name},
                        {"wanted", json::parse(setting.wanted)},

@@ -94,30 +94,33 @@ std::string picture_block(const Validation& v) {
   return html + "</div>\n";
 }
 
-std::string region_row(const RegionRatio& region, const ValidationThresholds& limits) {
-  const bool judged = region.weight_px >= limits.least_region_px && region.name != "outline";
+std::string region_row(const RegionResult& result, const ValidationThresholds& limits) {
+  const RegionRatio& region = result.ratio;
+  const bool judged = is_judged(region, limits) && region.name != "outline";
   const bool good = region.total.low >= 1 - limits.ratio && region.total.high <= 1 + limits.ratio;
-  return fmt::format(
-      "<tr><td>{}{}</td><td>{:.0f}</td><td class=\"{}\">{}</td><td>{} to "
-      "{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
-      escaped(region.name), judged ? "" : " <span class=\"dim\">(not judged)</span>", region.weight_px,
-      judged && !good ? "bad" : "", percent(region.total.value - 1), percent(region.total.low - 1),
-      percent(region.total.high - 1), percent(region.channel[0].value - 1),
-      percent(region.channel[1].value - 1), percent(region.channel[2].value - 1));
+  std::string row = fmt::format("<tr><td>{}{}</td><td>{:.0f}</td><td>{} x {}</td>", escaped(region.name),
+                                judged ? "" : " <span class=\"dim\">(not judged)</span>", region.weight_px,
+                                result.seeds, result.spp);
+  row += fmt::format("<td class=\"{}\">{}</td><td>{} to {}</td>", judged && !good ? "bad" : "",
+                     percent(region.total.value - 1), percent(region.total.low - 1),
+                     percent(region.total.high - 1));
+  for (const Interval& channel : region.channel) row += "<td>" + percent(channel.value - 1) + "</td>";
+  return row + "</tr>\n";
 }
 
 std::string region_table(const Validation& v) {
   const ValidationThresholds& limits = v.settings.thresholds;
   std::string html =
-      "<table><tr><th>region</th><th>pixels</th><th>ours / Cycles - 1</th><th>95 % interval</th><th>red</th>"
-      "<th>green</th><th>blue</th></tr>\n";
-  for (const RegionRatio& region : v.regions) html += region_row(region, limits);
+      "<table><tr><th>region</th><th>pixels</th><th>seeds x paths</th><th>ours / Cycles - 1</th>"
+      "<th>95 % interval</th><th>red</th><th>green</th><th>blue</th></tr>\n";
+  for (const RegionResult& region : v.regions) html += region_row(region, limits);
   html += region_row(v.band, limits);
   return html + fmt::format(
                     "</table><p>Means of radiance, weighted by each class's share of the pixel. The interval "
-                    "comes from the spread over {} independent seeds a side. Limit: {:.1f} % with the "
-                    "interval. Mean coverage: ours {:.5f}, Cycles {:.5f}.</p>\n",
-                    v.settings.seeds, 100 * limits.ratio, v.coverage_ours, v.coverage_cycles);
+                    "comes from the spread over the independent seeds of each side; where {} x {} left it "
+                    "too wide the region was rendered again, alone, with new seeds and more paths. Limit: "
+                    "{:.1f} % with the interval. Mean coverage: ours {:.5f}, Cycles {:.5f}.</p>\n",
+                    v.settings.seeds, v.settings.spp, 100 * limits.ratio, v.coverage_ours, v.coverage_cycles);
 }
 
 std::string bin_row(const char* name, const BinTest& bins) {

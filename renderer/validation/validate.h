@@ -5,9 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "renderer/render.h"
-#include "renderer/validation/cycles_run.h"
-#include "renderer/validation/statistics.h"
+#include "renderer/validation/sides.h"
 
 namespace ohb {
 
@@ -22,10 +20,18 @@ struct ValidationThresholds {
 struct ValidationSettings {
   int view = 0, view_count = 1;
   int size_px = 256, spp = 128, seeds = 8, max_bounces = 32;
-  int threads = 0;  // 0: all
+  /// Regions whose interval is too wide are rendered again, alone, with up to so many times the work.
+  double focus = 100;  // 1: never
+  int threads = 0;     // 0: all
   uint64_t seed = 1;
   std::filesystem::path blender;  // empty: from PATH
   ValidationThresholds thresholds;
+};
+
+/// A region and the work behind it: the first pass's, or that of its own pass.
+struct RegionResult {
+  RegionRatio ratio;
+  int spp = 0, seeds = 0;
 };
 
 enum class Outcome { kPass, kUndecided, kDifference };
@@ -35,12 +41,6 @@ struct Verdict {
   std::vector<std::string> reasons;  // sentences; for a pass what was shown
 };
 
-/// Time and noise of one side; all times are of one image (mean over the seeds), loading apart.
-struct SideCost {
-  double load_s = 0, wall_s = 0, cpu_s = 0;
-  double mean_squared_error = 0;  // of one image: mean of the variance over foreground pixels and channels
-};
-
 struct Validation {
   std::string model_name, environment_name, blender_version;
   ValidationSettings settings;
@@ -48,10 +48,10 @@ struct Validation {
   uint64_t nonfinite = 0;       // contributions of ours that were left out
   std::vector<CyclesSetting> blender_settings;
   PixelSets pixels;
-  Image coverage;  // ours, 1 channel
-  Moments ours, cycles;
-  std::vector<RegionRatio> regions;  // classes that occur, then "whole image"; outline included
-  RegionRatio band;                  // the outline alone
+  Image coverage;                     // ours, 1 channel
+  Moments ours, cycles;               // of the first pass
+  std::vector<RegionResult> regions;  // classes that occur, then "whole image"; outline included
+  RegionResult band;                  // the outline alone
   BinTest inside_bins, band_bins;
   double coverage_ours = 0, coverage_cycles = 0;  // mean over the image
   SideCost our_cost, cycles_cost;
@@ -64,10 +64,15 @@ struct SpeedRatio {
 };
 SpeedRatio speed_at_equal_error(const Validation& validation);
 
+/// Whether the region has enough pixels to be judged.
+bool is_judged(const RegionRatio& region, const ValidationThresholds& thresholds);
+
 /// The verdict of a validation whose other members are filled in.
 Verdict judge(const Validation& validation);
 
-/// Renders both sides and compares. `scratch` is an existing folder for the scene and Cycles' images.
+/// Renders both sides and compares; then once more, with new seeds, the regions whose interval is wider than
+/// 0.8 of the threshold (its half 0.4), with the work that the first pass's spread foretells: those results
+/// replace the first. `scratch` is an existing folder for the scene and Cycles' images.
 /// Subsurface is 0 on both sides. Throws InputError if Blender is missing, wrong, or fails.
 Validation validate(const Model& model, const Environment& environment, const ValidationSettings& settings,
                     const std::filesystem::path& scratch);

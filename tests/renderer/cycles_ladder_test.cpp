@@ -166,14 +166,13 @@ Comparison compare(const Ladder& ladder) {
   scene.camera = fit_camera(ladder.model.positions_cm);
   scene.turn_rad = ladder.turn_rad;
   scene.size_px = ladder.size_px;
-  scene.spp = ladder.spp;
   scene.max_bounces = ladder.max_bounces;
-  scene.seeds = cycles_seeds(1, kSeeds);
+  scene.passes = {{ladder.spp, cycles_seeds(1, kSeeds), {}}};
   write_cycles_scene(folder.path(), scene);
   Comparison result;
   result.cycles = run_cycles(find_blender({}), folder.path(), 2);
   ImageStack theirs, ours;
-  for (const CyclesRender& render : result.cycles.renders) theirs.push_back(render.rgba);
+  for (const CyclesRender& render : result.cycles.passes.at(0)) theirs.push_back(render.rgba);
 
   const auto built = build_scene(ladder.model);
   std::vector<Environment> environments;
@@ -216,6 +215,44 @@ void expect_equal(const Ladder& ladder, double tolerance = 0.003) {
   std::printf("  bins %zu of %zu accepted, p < .05: %.3f, detectable %.3f\n", result.bins.accepted,
               result.bins.bins, result.bins.below_5_percent, result.bins.median_detectable);
   EXPECT_GE(result.bins.accepted_share, 0.995);
+}
+
+// Boxes are the same pixels in both, also where the frame is no power of two.
+TEST(CyclesScene, BoxesAreThosePixelsOfTheWholeImage) {
+  constexpr int kSize = 50;
+  const Model model = ball(plain_set());
+  const Environment environment = uneven_environment();
+  const std::vector<PixelBox> boxes = {{11, 7, 30, 20}, {33, 30, 50, 50}};
+  const TemporaryFolder folder;
+  CyclesScene scene;
+  scene.model = &model;
+  scene.environment = &environment;
+  scene.camera = fit_camera(model.positions_cm);
+  scene.size_px = kSize;
+  scene.passes = {{4, {77}, {}}, {4, {77}, boxes}};
+  write_cycles_scene(folder.path(), scene);
+  const CyclesRun run = run_cycles(find_blender({}), folder.path(), 1);
+  const Image &whole = run.passes.at(0).at(0).rgba, &part = run.passes.at(1).at(0).rgba;
+
+  const auto built = build_scene(model);
+  const auto lights = prepare_lights({environment}, {});
+  RenderSettings settings;
+  settings.size_px = kSize;
+  settings.spp = 4;
+  const Image our_whole = render_lights(*built, *lights, scene.camera, 0, settings)[0].radiance;
+  settings.crop = boxes[0];
+  const Image our_part = render_lights(*built, *lights, scene.camera, 0, settings)[0].radiance;
+  const auto inside = [](const PixelBox& b, int x, int y) {
+    return x >= b.x0 && x < b.x1 && y >= b.y0 && y < b.y1;
+  };
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const bool in_boxes = inside(boxes[0], x, y) || inside(boxes[1], x, y);
+      for (int c = 0; c < 4; ++c)
+        ASSERT_EQ(part.pixel(x, y)[c], in_boxes ? whole.pixel(x, y)[c] : 0) << x << " " << y;
+      for (int c = 0; c < 3; ++c)
+        ASSERT_EQ(our_part.pixel(x, y)[c], inside(boxes[0], x, y) ? our_whole.pixel(x, y)[c] : 0);
+    }
 }
 
 TEST(CyclesLadder, DiffuseBallConstantLight) {

@@ -13,11 +13,11 @@
 namespace ohb {
 namespace {
 
-RegionRatio region(const std::string& name, double value, double reach, double pixels = 1000) {
-  RegionRatio result;
-  result.name = name;
-  result.weight_px = pixels;
-  result.total = {value, value - reach, value + reach};
+RegionResult region(const std::string& name, double value, double reach, double pixels = 1000) {
+  RegionResult result{{}, 128, 8};
+  result.ratio.name = name;
+  result.ratio.weight_px = pixels;
+  result.ratio.total = {value, value - reach, value + reach};
   return result;
 }
 

@@ -1,0 +1,73 @@
+#include "renderer/validation/focus.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ohb {
+namespace {
+
+constexpr int kCell_px = 8;
+
+bool overlap(const PixelBox& a, const PixelBox& b) {
+  return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
+}
+
+PixelBox joined(const PixelBox& a, const PixelBox& b) {
+  return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+}
+
+/// The tight box of the weighted pixels of each cell that has some.
+std::vector<PixelBox> cell_boxes(const std::vector<float>& weights, int width, int height) {
+  const int columns = (width + kCell_px - 1) / kCell_px, rows = (height + kCell_px - 1) / kCell_px;
+  std::vector<PixelBox> cells(static_cast<size_t>(columns) * rows);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      if (!(weights[static_cast<size_t>(y) * width + x] > 0)) continue;
+      PixelBox& cell = cells[static_cast<size_t>(y / kCell_px) * columns + x / kCell_px];
+      const PixelBox pixel{x, y, x + 1, y + 1};
+      cell = cell.x1 > cell.x0 ? joined(cell, pixel) : pixel;
+    }
+  cells.erase(std::remove_if(cells.begin(), cells.end(), [](const PixelBox& b) { return b.x1 <= b.x0; }),
+              cells.end());
+  return cells;
+}
+
+/// Whether two boxes are so close that they belong to one group.
+bool adjacent(const PixelBox& a, const PixelBox& b) {
+  return overlap({a.x0 - kCell_px, a.y0 - kCell_px, a.x1 + kCell_px, a.y1 + kCell_px}, b);
+}
+
+}  // namespace
+
+std::vector<PixelBox> boxes_around(const std::vector<float>& weights, int width_px, int height_px) {
+  std::vector<PixelBox> boxes;
+  for (PixelBox box : cell_boxes(weights, width_px, height_px)) {
+    // A larger box may touch more: until nothing does.
+    for (auto touching = boxes.begin(); touching != boxes.end();) {
+      if (!adjacent(*touching, box)) {
+        ++touching;
+        continue;
+      }
+      box = joined(*touching, box);
+      boxes.erase(touching);
+      touching = boxes.begin();
+    }
+    boxes.push_back(box);
+  }
+  return boxes;
+}
+
+double work_factor(const Interval& interval, double target) {
+  const double half_width = 0.5 * (interval.high - interval.low);
+  return std::max(1.0, half_width * half_width / (target * target));
+}
+
+Work spread_work(double factor, int spp, int seeds, int max_spp) {
+  const double paths = factor * spp * seeds;
+  Work work;
+  work.seeds = std::max(seeds, static_cast<int>(std::ceil(paths / max_spp)));
+  work.spp = std::min(max_spp, static_cast<int>(std::ceil(paths / work.seeds)));
+  return work;
+}
+
+}  // namespace ohb

@@ -1,0 +1,110 @@
+#include "renderer/validation/sides.h"
+
+#include <chrono>
+#include <ctime>
+
+#include "dataset/model/progress.h"
+#include "renderer/sampling.h"
+
+namespace ohb {
+namespace {
+
+struct Stopwatch {
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  std::clock_t processor_start = std::clock();  // of all threads of this process
+  double wall_s() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+  double cpu_s() const { return static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC; }
+};
+
+size_t image_count(const std::vector<CyclesPass>& passes) {
+  size_t count = 0;
+  for (const CyclesPass& pass : passes) count += pass.seeds.size();
+  return count;
+}
+
+}  // namespace
+
+CyclesSide render_cycles_side(const CyclesScene& scene, const Blender& blender, int threads,
+                              const std::filesystem::path& scratch) {
+  write_cycles_scene(scratch, scene);
+  Progress progress("Cycles", image_count(scene.passes));
+  size_t drawn = 0;
+  CyclesRun run = run_cycles(blender, scratch, threads, [&](size_t done, size_t) {
+    progress.add(done - drawn);
+    drawn = done;
+  });
+  CyclesSide side;
+  side.settings = std::move(run.settings);
+  side.cost.load_s = run.load_s;
+  for (const CyclesRender& render : run.passes.front()) {
+    side.cost.wall_s += render.wall_s / static_cast<double>(run.passes.front().size());
+    side.cost.cpu_s += render.cpu_s / static_cast<double>(run.passes.front().size());
+  }
+  for (std::vector<CyclesRender>& pass : run.passes) {
+    side.passes.emplace_back();
+    for (CyclesRender& render : pass) side.passes.back().push_back(std::move(render.rgba));
+  }
+  return side;
+}
+
+OurRenderer::OurRenderer(const CyclesScene& scene) : scene_(scene) {
+  const Stopwatch loading;
+  built_ = build_scene(*scene.model);
+  std::vector<Environment> environments;
+  if (scene.environment) environments.push_back(*scene.environment);
+  lights_ = prepare_lights(environments, scene.points);
+  load_s_ = loading.wall_s();
+}
+
+RenderSettings OurRenderer::settings() const {
+  RenderSettings settings;
+  settings.size_px = scene_.size_px;
+  settings.max_bounces = scene_.max_bounces;
+  settings.first_sample_at_centre = true;
+  return settings;
+}
+
+Sample OurRenderer::maps() const {
+  return render_maps(*built_, scene_.camera, scene_.turn_rad, settings());
+}
+
+ImageStack OurRenderer::render_pass(const CyclesPass& pass, uint64_t seed,
+                                    RenderStatistics& statistics) const {
+  RenderSettings settings = this->settings();
+  settings.spp = pass.spp;
+  ImageStack stack;
+  for (size_t k = 0; k < pass.seeds.size(); ++k) {
+    settings.seed = mix_bits(seed + k);
+    Image sum(settings.size_px, settings.size_px, 3);
+    for (const PixelBox& box : pass.boxes.empty() ? std::vector<PixelBox>{{}} : pass.boxes) {
+      settings.crop = box;
+      for (const SampleLight& light :
+           render_lights(*built_, *lights_, scene_.camera, scene_.turn_rad, settings, &statistics))
+        for (size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += light.radiance.values[i];
+    }
+    stack.push_back(std::move(sum));
+  }
+  return stack;
+}
+
+OurSide OurRenderer::render(const std::vector<CyclesPass>& passes, uint64_t seed) const {
+  OurSide side;
+  side.cost.load_s = load_s_;
+  Progress progress("ours", image_count(passes));
+  RenderStatistics statistics;
+  for (size_t i = 0; i < passes.size(); ++i) {
+    const Stopwatch watch;
+    side.passes.push_back(render_pass(passes[i], mix_bits(mix_bits(seed) + i), statistics));
+    if (i == 0) {
+      side.cost.wall_s = watch.wall_s() / static_cast<double>(passes[i].seeds.size());
+      side.cost.cpu_s = watch.cpu_s() / static_cast<double>(passes[i].seeds.size());
+    }
+    progress.add(passes[i].seeds.size());
+  }
+  side.nonfinite = statistics.nonfinite;
+  return side;
+}
+
+}  // namespace ohb

@@ -1,0 +1,50 @@
+// The two sides of a validation: the same passes in Cycles and here.
+#pragma once
+
+#include <filesystem>
+
+#include "renderer/validation/cycles_run.h"
+#include "renderer/validation/cycles_scene.h"
+#include "renderer/validation/statistics.h"
+
+namespace ohb {
+
+/// All times are of one image (mean over the first pass's seeds), loading apart.
+struct SideCost {
+  double load_s = 0, wall_s = 0, cpu_s = 0;
+  double mean_squared_error = 0;  // of one image: mean of the variance over foreground pixels and channels
+};
+
+/// The passes' images in Cycles (4 channels), with progress on stderr. Throws as run_cycles.
+struct CyclesSide {
+  std::vector<ImageStack> passes;
+  SideCost cost;
+  std::vector<CyclesSetting> settings;
+};
+CyclesSide render_cycles_side(const CyclesScene& scene, const Blender& blender, int threads,
+                              const std::filesystem::path& scratch);
+
+/// The passes' images here (3 channels). `seed` is hashed with the number of pass and image.
+struct OurSide {
+  std::vector<ImageStack> passes;
+  SideCost cost;
+  uint64_t nonfinite = 0;
+};
+class OurRenderer {
+ public:
+  explicit OurRenderer(const CyclesScene& scene);
+  /// Mask, classes and the other maps of the view.
+  Sample maps() const;
+  OurSide render(const std::vector<CyclesPass>& passes, uint64_t seed) const;
+
+ private:
+  ImageStack render_pass(const CyclesPass& pass, uint64_t seed, RenderStatistics& statistics) const;
+  RenderSettings settings() const;
+
+  const CyclesScene& scene_;
+  double load_s_ = 0;
+  std::shared_ptr<const Scene> built_;
+  std::shared_ptr<const LightSet> lights_;
+};
+
+}  // namespace ohb
