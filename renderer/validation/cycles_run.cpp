@@ -101,11 +101,15 @@ CyclesRun run_cycles(const Blender& blender, const fs::path& folder, int threads
           done(rendered, total);
       });
   fs::remove_all(inside);
+  if (result.exit_code > 128)
+    throw TryAgainError(blender.program.string(),
+                        "was ended by signal " + std::to_string(result.exit_code - 128),
+                        "run the command again, with a smaller --size if memory was short");
   if (result.exit_code != 0)
     throw InputError(
         blender.program.string(), "",
         "stopped with code " + std::to_string(result.exit_code) + " (" + reason_of(result.last_lines) + ")",
-        "run it on a smaller --size to see whether memory was short");
+        "check that it renders by itself");
   return read_report(folder / "renders");
 }
 
