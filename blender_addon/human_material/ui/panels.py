@@ -23,9 +23,9 @@ class HM_PT_maps(Panel, bpy.types.Panel):
         layout = self.prepared()
         layout.operator("hm.import_maps", icon="IMPORT")
         settings = context.scene.hm
-        layout.prop(settings, "jump_cm")
-        layout.prop(settings, "subsurface_method")
-        layout.prop(settings, "subsurface_scale")
+        layout.prop(settings, "jump_cm", text="Depth Cut")
+        layout.prop(settings, "subsurface_method", text="Scatter")
+        layout.prop(settings, "subsurface_scale", text="Scale")
         if relief.is_relief(context.object):
             shape = context.object["hm_camera"]
             layout.label(text="%s: %d x %d" % (context.object.name, shape["width_px"], shape["height_px"]))
@@ -46,9 +46,9 @@ class HM_PT_light(Panel, bpy.types.Panel):
         column = layout.column()
         column.prop(settings, "rotation_deg")
         column.prop(settings, "strength")
-        column.prop(settings, "show_background")
+        column.prop(settings, "show_background", text="Visible")
         column = layout.column()
-        column.prop(settings, "point_cm")
+        column.prop(settings, "point_cm", text="Position")
         column.prop(settings, "point_intensity")
         column.operator("hm.add_point_light", icon="LIGHT_POINT")
 
@@ -62,8 +62,8 @@ class HM_PT_edit(Panel, bpy.types.Panel):
 
 
 def _draw_class(self, context):
-    """The presets and sliders of one class."""
-    layout = self.prepared()
+    """The presets and sliders of one class. The names stand inside the sliders: beside them they are cut off."""
+    layout = self.layout
     row = layout.row(align=True)
     row.operator_menu_enum("hm.apply_preset", "preset", text="Preset").class_name = self.class_name
     row.operator("hm.reset_edit", icon="LOOP_BACK").class_name = self.class_name
