@@ -166,7 +166,7 @@ Image resample(Image picture, int width_px, int height_px, const ResampleWeights
     for (int x = 0; x < width_px; ++x) {
       float* const out = map.pixel(x, y);
       float total = accumulate(picture, pixel_weights, columns[x], rows[y], out);
-      if (total < 1e-6f) total = accumulate(picture, nullptr, columns[x], rows[y], out);
+      if (total < 1e-12f) total = accumulate(picture, nullptr, columns[x], rows[y], out);
       for (int c = 0; c < map.channels; ++c) out[c] /= total;
     }
   });

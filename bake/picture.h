@@ -18,8 +18,8 @@ Image read_colour_picture(const ScanPicture& picture);
 Image read_alpha_picture(const ScanPicture& picture);
 
 /// Tangent-space normals, 3 channels, unit length, +Y up. Integer pictures are decoded as 2 v - 1, float ones
-/// taken as signed. `green_is_down` (DirectX) negates Y. Normals of no length, or that point below the
-/// surface by encoding errors of exactly (0,0,0), become (0,0,1) and are counted in `zero_length`.
+/// taken as signed. `green_is_down` (DirectX) negates Y. Vectors too short to tell a direction become (0,0,1)
+/// and are counted in `zero_length`. Throws as read_colour_picture, and for fewer than 3 channels.
 Image read_normal_picture(const ScanPicture& picture, bool green_is_down, uint64_t& zero_length);
 
 /// How the values of a picture reach a map. Along each axis: where the map has fewer texels than the picture,

@@ -53,6 +53,9 @@ std::vector<uint8_t> covered_texels(const TexelCoverage& coverage) {
   return is_covered;
 }
 
+/// So little that clear pixels count only where there are no others.
+constexpr float kClearWeight = 1e-8f;
+
 /// Which pixels of a picture count where the map has fewer texels: those that faces show, as far as they
 /// are opaque. A picture's background then never mixes into its charts.
 ResampleWeights weights_for(const Image& picture, Size size, const SetTriangles& triangles,
@@ -65,8 +68,8 @@ ResampleWeights weights_for(const Image& picture, Size size, const SetTriangles&
       alpha && alpha->width_px == picture.width_px && alpha->height_px == picture.height_px;
   for (size_t i = 0; i < shown.owner.size(); ++i)
     weights.pixel_weights.values[i] = shown.owner[i] == TexelCoverage::kNone ? 0.0f
-                                      : use_alpha                            ? alpha->values[i]
-                                                                             : 1.0f;
+                                      : use_alpha ? std::max(alpha->values[i], kClearWeight)
+                                                  : 1.0f;
   return weights;
 }
 

@@ -134,6 +134,12 @@ void AtomicFolder::commit() {
   if (!old.empty()) fs::remove_all(old, error);
 }
 
+void make_folders(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw_write_error(folder, error.value());
+}
+
 std::string read_file(const fs::path& file) {
   if (!fs::exists(file)) throw InputError(file.string(), "", "no such file", "check the path");
   if (fs::is_directory(file))

@@ -34,6 +34,9 @@ class AtomicFolder {
   bool committed_ = false;
 };
 
+/// Makes a folder and those above it, if they are not there. Throws as write_file_atomically.
+void make_folders(const std::filesystem::path& folder);
+
 /// The whole file as bytes. Throws InputError if it does not exist or cannot be read.
 std::string read_file(const std::filesystem::path& file);
 

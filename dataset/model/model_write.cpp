@@ -18,16 +18,6 @@ namespace {
 
 constexpr int kPreviewEdge_px = 1024;
 
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error == std::errc::no_space_on_device)
-    throw TryAgainError(folder.string(), "cannot be made: disk full", "free some space and run again");
-  if (error)
-    throw InputError(folder.string(), "", "the folder cannot be made: " + error.message(),
-                     "check that it may be written to");
-}
-
 /// Averages blocks of whole texels so that the longer edge has at most kPreviewEdge_px.
 Image preview_of(const Image& image) {
   const int block = (std::max(image.width_px, image.height_px) + kPreviewEdge_px - 1) / kPreviewEdge_px;
@@ -136,7 +126,7 @@ std::vector<std::string> texture_set_folders(const std::vector<std::string>& nam
 
 TextureSetEntry write_texture_set(const fs::path& folder, const std::string& set_folder, TextureSet&& set) {
   const fs::path maps = folder / "maps" / set_folder, previews = maps / "previews";
-  make_folder(previews);
+  make_folders(previews);
   TextureSetEntry entry{set.name, set_folder, set.valid.width_px, set.valid.height_px, {}};
   for (const MapKind& kind : kMapKinds) {
     Image& image = set.*kind.image;
@@ -164,7 +154,7 @@ TextureSetEntry write_texture_set(const fs::path& folder, const std::string& set
 void write_model_mesh(const fs::path& folder, const Model& model, const std::vector<TextureSetEntry>& sets) {
   const std::string fault = mesh_fault(model, sets.size());
   if (!fault.empty()) throw std::logic_error("write_model: " + fault);
-  make_folder(folder);
+  make_folders(folder);
   write_file_atomically(folder / "mesh.obj", mesh_obj_text(model, sets));
   write_file_atomically(folder / "mesh.mtl", mtl_text(sets));
   write_file_atomically(folder / "faces.bin", faces_bin(model));

@@ -82,8 +82,7 @@ std::vector<uint8_t> read_face_classes(const fs::path& file, size_t face_count,
 }
 
 void write_regions(const fs::path& folder, const Regions& regions) {
-  std::error_code error;
-  fs::create_directories(folder, error);
+  make_folders(folder);
   std::string text;
   text.reserve(regions.face_class.size() * 2);
   for (uint8_t c : regions.face_class) text += std::to_string(c) + "\n";

@@ -5,7 +5,7 @@
 
 #include "bake/picture.h"
 #include "bake/texel_coverage.h"
-#include "dataset/model/error.h"
+#include "dataset/model/atomic_file.h"
 #include "dataset/model/model_files.h"
 #include "dataset/model/regions.h"
 
@@ -158,7 +158,7 @@ std::vector<std::string> write_class_maps(const std::filesystem::path& folder, c
       classes.values[i] = static_cast<float>(index) / 255;
     }
     const std::filesystem::path maps = folder / "maps" / folders[m];
-    std::filesystem::create_directories(maps);
+    make_folders(maps);
     write_png(maps / "classes.png", classes);
     write_png(maps / "classes_preview.png", preview_of(classes));
   }

@@ -220,6 +220,24 @@ TEST(Bake, AlphaIsKeptAndWeighsTheColour) {
   EXPECT_FLOAT_EQ(model.sets[0].albedo.values[0], 1.0f);
 }
 
+TEST(Bake, ClearPixelsCountOnlyWhereThereAreNoOthers) {
+  // All is clear; the texels that faces show are grey, the background is green.
+  Scan scan = scan_of(two_charts());
+  const TemporaryFolder folder;
+  Image picture(64, 64, 4);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) {
+      const bool is_chart = y >= 5 && y <= 58 && ((x >= 5 && x <= 26) || (x >= 37 && x <= 58));
+      for (int c = 0; c < 3; ++c) picture.pixel(x, y)[c] = is_chart ? 0.5f : c == 1 ? 1.0f : 0.0f;
+    }
+  write_png(folder / "p.png", picture);
+  scan.materials[0].diffuse = scan.materials[0].alpha = {folder / "p.png", nullptr};
+  BakeOptions options;
+  options.size_px = 16;
+  const Model model = bake(scan, regions_of({kHair, kHair}), kTable, options);
+  for (float value : model.sets[0].albedo.values) EXPECT_NEAR(value, srgb_to_linear(128 / 255.0f), 1e-5f);
+}
+
 TEST(Bake, NormalMapsOfAnotherSizeFollowTheColours) {
   PicturedQuad quad(pattern(8, 8, 3));
   Image normal(4, 4, 3);
