@@ -4,7 +4,7 @@
     blender -b -noaudio --factory-startup [-t THREADS] --python-exit-code 1 --python relight.py -- \\
         MAPS [--environment E.exr] [--rotation DEG] [--strength S] [--point x,y,z,I]... [--edit CLASS:PRESET]... \\
         [--size PX] [--spp N] [--seed N] [--background transparent|environment] [--subsurface-scale F] \\
-        [--subsurface burley|random_walk_fixed|random_walk_skin] [--jump CM] [--report FILE] -o PICTURE
+        [--subsurface random_walk_skin|random_walk_fixed|burley] [--jump CM] [--report FILE] -o PICTURE
 
 MAPS            maps folder, or its maps.json (docs/maps_json.md)
 --environment   latitude-longitude picture, linear EXR or HDR; without it, lights are those of --point
@@ -19,6 +19,7 @@ MAPS            maps folder, or its maps.json (docs/maps_json.md)
 --spp           samples a pixel, default 64
 --background    behind the person: transparent (default) or the environment
 --subsurface-scale  factor on the subsurface map, default 1; 0 renders as samples are rendered so far
+--subsurface    method, by what it does in every Blender; default random_walk_skin, which has the least noise
 --jump          depth difference of neighbouring pixels in cm above which the surface is cut, default 5
 --report        JSON: output, size_px, seconds {load, render}, blender, principled, warnings
 -o              .png (16-bit sRGB, straight alpha) or .exr (linear float, premultiplied alpha); written whole or not
@@ -60,7 +61,7 @@ def parse(arguments):
     parser.add_argument("--spp", type=whole(1, 1 << 20), default=64)
     parser.add_argument("--seed", type=whole(0, (1 << 31) - 1), default=0)
     parser.add_argument("--background", choices=("transparent", "environment"), default="transparent")
-    parser.add_argument("--subsurface", choices=tuple(compat.SUBSURFACE_METHODS), default="burley")
+    parser.add_argument("--subsurface", choices=tuple(compat.SUBSURFACE_METHODS), default="random_walk_skin")
     parser.add_argument("--subsurface-scale", type=number, default=1.0)
     parser.add_argument("--jump", type=number, default=5.0)
     parser.add_argument("--report")

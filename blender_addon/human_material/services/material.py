@@ -45,7 +45,7 @@ def images_of(maps, name):
             for key, channels in content.items()}
 
 
-def build(maps, name, subsurface_method="burley"):
+def build(maps, name, subsurface_method="random_walk_skin"):
     """The material of a relief. Its images go with it."""
     material = bpy.data.materials.new(name)
     tree = compat.node_tree_of(material)

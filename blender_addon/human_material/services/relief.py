@@ -13,7 +13,7 @@ from . import camera, grid, maps, material
 PROPERTY = "hm_maps"   # custom property of reliefs: the maps folder
 
 
-def load_into(scene, path, jump_cm=grid.DEFAULT_JUMP_CM, match_camera=True, subsurface_method="burley"):
+def load_into(scene, path, jump_cm=grid.DEFAULT_JUMP_CM, match_camera=True, subsurface_method="random_walk_skin"):
     """Imports a maps folder. Returns (object, Maps). Throws InputError before anything is changed."""
     loaded = maps.load(path)
     relief = grid.build(loaded.displacement_cm, loaded.known, *loaded.size, loaded.info.camera, jump_cm)

@@ -7,9 +7,9 @@ from .. import compat
 from ..services import environment, material, relief, render
 
 SUBSURFACE_ITEMS = (
-    ("burley", "Burley", "Means the same in every Blender"),
-    ("random_walk_fixed", "Random walk, fixed radius", "Slower; true to thin parts"),
-    ("random_walk_skin", "Random walk for skin", "Slower; keeps details sharper"),
+    ("random_walk_skin", "Random walk for skin", "Least noise, keeps details sharp"),
+    ("random_walk_fixed", "Random walk, fixed radius", "Softer; loses light through the open relief"),
+    ("burley", "Burley", "Fastest; the same model in every Blender"),
 )
 
 
@@ -57,7 +57,7 @@ class HM_PG_scene(bpy.types.PropertyGroup):
     subsurface_scale: FloatProperty(name="Subsurface Scale", default=1.0, min=0.0, soft_max=5,
                                     update=_update_subsurface,
                                     description="Factor on the subsurface map; 0 turns scattering off")
-    subsurface_method: EnumProperty(name="Subsurface Method", items=SUBSURFACE_ITEMS, default="burley",
+    subsurface_method: EnumProperty(name="Subsurface Method", items=SUBSURFACE_ITEMS, default="random_walk_skin",
                                     update=_update_subsurface)
     point_cm: FloatVectorProperty(
         name="Position (cm)", size=3, default=(100.0, 220.0, 200.0),
