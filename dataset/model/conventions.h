@@ -34,7 +34,7 @@ constexpr std::array<Convention, 14> kConventions = {{
     {"displacement", "signed distance in cm from the plane z = 0 in the rest pose, positive towards +Z"},
     {"valid", "PNG 255: a face covers the texel; 128: padding; 0: neither"},
     {"smooth_normals", "sum of triangle normals weighted by corner angle, over shared positions"},
-    {"exr", "half for albedo, alpha, roughness, specular and sss; float for normal and displacement"},
+    {"exr", "half for albedo, alpha, normal, roughness, specular and sss; float for displacement"},
 }};
 
 /// Appends <conventions version="1"><convention of="length" is="centimetres"/>...</conventions>.

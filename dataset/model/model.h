@@ -51,7 +51,8 @@ struct Model {
 
 /// MODEL on disk: model.xml (conventions, sets, sources), mesh.obj with mesh.mtl, faces.bin (class and source
 /// face), maps/<set>/{albedo,alpha,normal,roughness,specular,sss,displacement}.exr, valid.png and small PNGs
-/// to look at in maps/<set>/previews. Normal and displacement are float, the others half.
+/// to look at in maps/<set>/previews. Displacement is float, the others half. A set without a normal map
+/// gets a flat normal.exr that model.xml does not list, so that it is not sampled.
 /// Writes into `folder`, which is made if need be: give it an AtomicFolder's path. Throws InputError if it
 /// cannot be written, TryAgainError if the disk is full, std::logic_error for an inconsistent model.
 void write_model(const std::filesystem::path& folder, const Model& model);

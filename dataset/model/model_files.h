@@ -22,7 +22,7 @@ struct MapKind {
 constexpr std::array<MapKind, 7> kMapKinds = {{
     {"albedo", &TextureSet::albedo, 3, false, false},
     {"alpha", &TextureSet::alpha, 1, false, true},
-    {"normal", &TextureSet::normal, 3, true, true},
+    {"normal", &TextureSet::normal, 3, false, true},
     {"roughness", &TextureSet::roughness, 1, false, false},
     {"specular", &TextureSet::specular, 1, false, false},
     {"sss", &TextureSet::sss, 1, false, false},

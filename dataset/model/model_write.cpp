@@ -34,6 +34,12 @@ Image preview_of(const Image& image) {
   return small;
 }
 
+Image flat_normals(int width_px, int height_px) {
+  Image image(width_px, height_px, 3);
+  for (size_t i = 2; i < image.values.size(); i += 3) image.values[i] = 1;
+  return image;
+}
+
 /// The preview's values as a PNG shows them: sRGB colours, normals around one half, displacement stretched.
 void encode_preview(const std::string& map, Image& preview) {
   if (map == "albedo")
@@ -130,6 +136,9 @@ TextureSetEntry write_texture_set(const fs::path& folder, const std::string& set
   TextureSetEntry entry{set.name, set_folder, set.valid.width_px, set.valid.height_px, {}};
   for (const MapKind& kind : kMapKinds) {
     Image& image = set.*kind.image;
+    // All six maps are on disk, but a flat normal map is not named in model.xml: nobody need sample it.
+    const bool is_flat_normal = image.values.empty() && kind.image == &TextureSet::normal;
+    if (is_flat_normal) image = flat_normals(entry.width_px, entry.height_px);
     if (image.values.empty() && kind.is_optional) continue;
     if (image.width_px != entry.width_px || image.height_px != entry.height_px ||
         image.channels != kind.channels)
@@ -144,7 +153,7 @@ TextureSetEntry write_texture_set(const fs::path& folder, const std::string& set
     std::vector<ExrPart> parts;
     parts.push_back(std::move(part));
     write_exr(maps / (std::string(kind.name) + ".exr"), parts, {});
-    entry.maps.push_back(kind.name);
+    if (!is_flat_normal) entry.maps.push_back(kind.name);
   }
   write_png(maps / "valid.png", set.valid);
   set.valid = Image();

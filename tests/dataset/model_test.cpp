@@ -97,7 +97,8 @@ TEST(Model, EqualModelsGiveEqualBytes) {
     const auto other = (folder / "b") / std::filesystem::relative(entry.path(), folder / "a").string();
     EXPECT_EQ(read_file(entry.path()), read_file(other)) << entry.path();
   }
-  EXPECT_EQ(files, 4 + (7 + 1 + 7) + (5 + 1 + 5));
+  // All maps, valid.png and previews; the second set has no cut-out, and a flat normal map.
+  EXPECT_EQ(files, 4 + (7 + 1 + 7) + (6 + 1 + 6));
 }
 
 TEST(Model, TextureSetFoldersArePortableAndUnique) {
@@ -207,8 +208,8 @@ TEST(Model, RefusesDamagedFoldersInWords) {
        [=](const Path& m) { damage_texel(m / "maps/skin/albedo.exr", nan); },
        {"albedo.exr: texel (2, 1)", "is not a finite number"}},
       {"texel infinite",
-       [=](const Path& m) { damage_texel(m / "maps/skin/normal.exr", INFINITY); },
-       {"normal.exr: texel (2, 1)"}},
+       [=](const Path& m) { damage_texel(m / "maps/skin/displacement.exr", INFINITY); },
+       {"displacement.exr: texel (2, 1)"}},
       {"mask missing",
        [](const Path& m) { std::filesystem::remove(m / "maps/skin/valid.png"); },
        {"valid.png", "no such file"}},
