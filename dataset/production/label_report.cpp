@@ -8,6 +8,12 @@
 namespace ohb {
 namespace {
 
+// A rule by name can list dozens of words; the table needs only enough to tell it from the others.
+std::string shortened(const std::string& text) {
+  constexpr size_t kLongest = 60;
+  return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
+}
+
 double share(double part, double whole) {
   return whole > 0 ? part / whole : 0;
 }
@@ -144,9 +150,9 @@ std::string to_text(const LabelReport& report) {
   if (report.unlabelled.faces > 0) line("unlabelled", report.unlabelled);
   for (size_t r = 0; r < report.rules.size(); ++r)
     if (report.rules[r].took.faces > 0)
-      text +=
-          fmt::format("  rule {}: {} faces, {:.2f} % of the area ({})\n", r + 1, report.rules[r].took.faces,
-                      100 * share(report.rules[r].took.area, report.total_area), report.rules[r].text);
+      text += fmt::format(
+          "  rule {}: {} faces, {:.2f} % of the area ({})\n", r + 1, report.rules[r].took.faces,
+          100 * share(report.rules[r].took.area, report.total_area), shortened(report.rules[r].text));
   if (report.truth) text += truth_text(*report.truth);
   for (const std::string& warning : report.warnings) text += "warning: " + warning + "\n";
   return text;
