@@ -16,3 +16,8 @@ find_package(spdlog REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 find_package(ZLIB REQUIRED)
+if(OHB_BUILD_LEARNER)
+  # Debian's reference BLAS is some 50 times slower than OpenBLAS; humanmaterial warns of it.
+  find_package(Torch REQUIRED)
+  find_package(OpenMP REQUIRED)
+endif()
