@@ -1,0 +1,104 @@
+// Shapes, sizes and costs of the networks.
+#include "learner/networks.h"
+
+#include <gtest/gtest.h>
+
+#include "learner/counts.h"
+
+namespace ohb {
+namespace {
+
+using torch::Tensor;
+
+TEST(Counts, EqualHandCountsOfSmallLayers) {
+  torch::nn::Conv2d conv(torch::nn::Conv2dOptions(3, 5, 3).stride(2).padding(1));
+  EXPECT_EQ(parameter_count(*conv), 3 * 5 * 9 + 5);
+  EXPECT_EQ(count_multiplies([&] { conv(torch::zeros({2, 3, 8, 8})); }), 2 * 5 * 4 * 4 * 3 * 9);
+  torch::nn::Linear linear(7, 11);
+  EXPECT_EQ(parameter_count(*linear), 7 * 11 + 11);
+  EXPECT_EQ(count_multiplies([&] { linear(torch::zeros({2, 6, 7})); }), 2 * 6 * 7 * 11);
+  EXPECT_EQ(count_multiplies([&] {
+              torch::bmm(torch::zeros({2, 3, 4}), torch::zeros({2, 4, 5}));
+            }),
+            2 * 3 * 4 * 5);
+  ConvBlock block(4, 16, ConvBlockImpl::Scale::kUp);
+  EXPECT_EQ(parameter_count(*block), 4 * 16 + 16 * 16 * 9 + 2 * 16);
+  EXPECT_EQ(count_multiplies([&] {
+              block(torch::zeros({1, 4, 8, 8}));
+            }),
+            8 * 8 * 4 * 16 + 16 * 16 * 16 * 16 * 9);
+}
+
+TEST(Counts, OfAnySizeFollowFromTwoSmallRuns) {
+  PriorNet net(3, 0.25);
+  const auto run = [&](int64_t size) { net(torch::zeros({1, 4, size, size})); };
+  EXPECT_EQ(multiplies_at(run, 128), count_multiplies([&] { run(128); }));
+}
+
+// docs/learner.md reads the paper's prior as 15.9 M parameters and 179 G multiplies at 512 x 512.
+TEST(PriorNet, HasThePapersSize) {
+  PriorNet net(4, 1.0);
+  const int64_t multiplies = multiplies_at([&](int64_t size) { net(torch::zeros({1, 4, size, size})); }, 512);
+  std::printf("prior: %.2f M parameters, %.1f G multiplies at 512\n", parameter_count(*net) / 1e6,
+              multiplies / 1e9);
+  EXPECT_NEAR(static_cast<double>(parameter_count(*net)), 15.9e6, 1.59e6);
+  EXPECT_NEAR(static_cast<double>(multiplies), 179e9, 17.9e9);
+}
+
+// ... and the finetuning model as 36.5 M and 586 G.
+TEST(FinetuneNet, HasThePapersSize) {
+  FinetuneNet net(1.0);
+  const auto run = [&](int64_t size) {
+    net(torch::zeros({1, 4, size, size}), torch::zeros({1, 10, size, size}));
+  };
+  const int64_t multiplies = multiplies_at(run, 512);
+  std::printf("finetune: %.2f M parameters, %.1f G multiplies at 512\n", parameter_count(*net) / 1e6,
+              multiplies / 1e9);
+  EXPECT_NEAR(static_cast<double>(parameter_count(*net)), 36.5e6, 3.65e6);
+  EXPECT_NEAR(static_cast<double>(multiplies), 586e9, 58.6e9);
+}
+
+TEST(Networks, TakeAnyMultipleOfSixteenAndAnyWidth) {
+  torch::NoGradGuard no_gradients;
+  for (const double width : {0.125, 0.25, 0.5})
+    for (const auto& [height, breadth] : {std::pair{16, 16}, {48, 32}}) {
+      PriorNet prior(4, width);
+      const Tensor maps = prior(torch::rand({2, 4, height, breadth}) * 2 - 1);
+      EXPECT_EQ(maps.sizes(), (std::vector<int64_t>{2, 4, height, breadth}));
+      EXPECT_GT(maps.min().item<float>(), 0);
+      EXPECT_LT(maps.max().item<float>(), 1);
+    }
+  FinetuneNet finetune(0.125);
+  EXPECT_EQ(finetune(torch::zeros({1, 4, 32, 48}), torch::zeros({1, 10, 32, 48})).sizes(),
+            (std::vector<int64_t>{1, 10, 32, 48}));
+}
+
+TEST(Networks, RefuseOtherSizes) {
+  PriorNet prior(4, 0.125);
+  EXPECT_THROW(prior(torch::zeros({1, 4, 40, 32})), std::invalid_argument);
+  EXPECT_THROW(prior(torch::zeros({1, 3, 32, 32})), std::invalid_argument);
+  EXPECT_THROW(FinetuneNet(0.125)(torch::zeros({1, 4, 32, 32}), torch::zeros({1, 4, 32, 32})),
+               std::invalid_argument);
+}
+
+TEST(FinetuneNet, IgnoresTheMapsBackground) {
+  torch::NoGradGuard no_gradients;
+  FinetuneNet net(0.125);
+  Tensor input = torch::rand({1, 4, 32, 32}) * 2 - 1, maps = torch::rand({1, 10, 32, 32});
+  input.select(1, 3).fill_(-1);
+  input.select(1, 3).slice(2, 8, 24).fill_(1);
+  const Tensor before = net(input, maps);
+  maps.slice(3, 0, 8).fill_(0.9);
+  EXPECT_TRUE(before.equal(net(input, maps)));
+}
+
+TEST(Networks, EveryParameterGetsAGradient) {
+  FinetuneNet net(0.125);
+  net(torch::rand({1, 4, 32, 32}) * 2 - 1, torch::rand({1, 10, 32, 32})).square().sum().backward();
+  for (const auto& parameter : net->named_parameters())
+    EXPECT_TRUE(parameter.value().grad().defined() && parameter.value().grad().abs().max().item<float>() > 0)
+        << parameter.key();
+}
+
+}  // namespace
+}  // namespace ohb
