@@ -1,0 +1,68 @@
+// Samples as tensors: the dataset's index, the split by person, and one view under one light as the networks
+// see it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "dataset/model/sample.h"
+#include "learner/maps.h"
+
+namespace ohb {
+
+struct Person {
+  std::string name;                          // ohb:human of the samples
+  std::vector<std::filesystem::path> views;  // sorted
+};
+
+/// A folder that holds, at any depth, folders with view_*.exr as `openhumanbrdf render` writes them.
+struct Dataset {
+  std::filesystem::path folder;
+  std::vector<Person> people;  // sorted by name
+};
+
+/// Reads the index; of each folder the first view is read whole, to learn whose it is.
+/// Throws InputError: no such folder, no view in it, a broken first view.
+Dataset read_dataset(const std::filesystem::path& folder);
+
+struct Split {
+  std::vector<std::string> training, held_out;  // names of people, sorted
+};
+
+/// No person is on both sides. `held_out` names people; if it is empty, every fourth person (at least one,
+/// where there are two or more) is held out, in an order that is a function of `seed` and the names.
+/// Throws InputError for a name that is not in the dataset, and if nobody is left to train on.
+Split split_people(const Dataset& dataset, const std::vector<std::string>& held_out, uint64_t seed);
+
+/// All views of these people, in order.
+std::vector<std::filesystem::path> views_of(const Dataset& dataset, const std::vector<std::string>& people);
+
+/// One view under one light; a batch of one.
+struct Example {
+  std::string name;         // "<file> under <light>", for messages and logs
+  std::string person;       // ohb:human, or the folder's name
+  torch::Tensor input;      // (1, 4, H, W): see network_input
+  torch::Tensor mask;       // (1, 1, H, W), coverage in [0, 1]
+  MaterialMaps truth;       // normals of unit length; displacement over the half frame; background 0
+  float half_frame_cm = 0;  // displacement in cm = displacement x half_frame_cm
+};
+
+/// `light_key` chooses the light: number light_key mod the number of lights.
+///
+/// The input is made as a photograph would be: the light's radiance over its coverage, exposed so that the
+/// 95th percentile of the foreground's largest channel becomes 0.8, clipped to [0, 1], sRGB-encoded, times
+/// the coverage. Views larger than size_px by a whole factor are averaged down, maps weighted by coverage.
+/// Throws InputError naming `file`: not square, no whole multiple of size_px, no foreground, no light,
+/// ohb:displacementRange_cm missing or not above 0, a normal of length 0 in the foreground.
+Example example_of(const Sample& sample, const std::filesystem::path& file, uint64_t light_key, int size_px);
+
+/// read_sample and example_of.
+Example read_example(const std::filesystem::path& file, uint64_t light_key, int size_px);
+
+/// (B, 4, H, W) from an sRGB-encoded foreground (B, 3, H, W) that is already multiplied by the mask
+/// (B, 1, H, W): 2 x - 1 of both.
+torch::Tensor network_input(const torch::Tensor& srgb, const torch::Tensor& mask);
+
+}  // namespace ohb

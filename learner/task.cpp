@@ -1,0 +1,137 @@
+#include "learner/task.h"
+
+#include "dataset/model/error.h"
+#include "learner/oracle.h"
+
+namespace ohb {
+namespace {
+
+using torch::Tensor;
+
+constexpr double kGeometryRoughness = 0.2, kGeometrySpecular = 0.5;
+constexpr double kAlbedoRoughness = 0.8, kAlbedoSpecular = 0.03;
+
+Tensor encoded_geometry(const MaterialMaps& maps) {
+  return torch::cat({(maps.normal + 1) / 2, 0.5 + maps.displacement / 2}, 1);
+}
+
+Tensor encoded_rss(const MaterialMaps& maps) {
+  return torch::cat({maps.roughness, maps.specular, maps.sss}, 1);
+}
+
+void set_geometry(MaterialMaps& maps, const Tensor& output, int64_t at) {
+  maps.normal = unit_normals(2 * output.slice(1, at, at + 3) - 1);
+  maps.displacement = 2 * output.slice(1, at + 3, at + 4) - 1;
+}
+
+void set_rss(MaterialMaps& maps, const Tensor& output, int64_t at) {
+  maps.roughness = output.slice(1, at, at + 1);
+  maps.specular = output.slice(1, at + 1, at + 2);
+  maps.sss = output.slice(1, at + 2, at + 3);
+}
+
+}  // namespace
+
+const char* name_of(Task task) {
+  switch (task) {
+    case Task::kGeometry:
+      return "geometry";
+    case Task::kAlbedo:
+      return "albedo";
+    case Task::kRss:
+      return "rss";
+    case Task::kFinetune:
+      break;
+  }
+  return "finetune";
+}
+
+Task task_from_name(const std::string& name) {
+  for (const Task task : kTasks)
+    if (name == name_of(task)) return task;
+  throw InputError("", "'" + name + "'", "is no model", "name geometry, albedo, rss or finetune");
+}
+
+torch::nn::Module& Network::module() const {
+  if (task == Task::kFinetune) return *finetune.ptr();
+  return *prior.ptr();
+}
+
+Tensor Network::forward(const Tensor& input, const Tensor& guidance) const {
+  if (task == Task::kFinetune) return finetune.ptr()->forward(input, guidance);
+  return prior.ptr()->forward(input);
+}
+
+Network make_network(Task task, double width) {
+  Network network{task, width};
+  if (task == Task::kFinetune)
+    network.finetune = FinetuneNet(width);
+  else
+    network.prior = PriorNet(output_channels(task), width);
+  return network;
+}
+
+int64_t output_channels(Task task) {
+  return task == Task::kGeometry ? 4 : task == Task::kFinetune ? 10 : 3;
+}
+
+Tensor encoded_maps(Task task, const MaterialMaps& maps) {
+  switch (task) {
+    case Task::kGeometry:
+      return encoded_geometry(maps);
+    case Task::kAlbedo:
+      return srgb_of(maps.diffuse);
+    case Task::kRss:
+      return encoded_rss(maps);
+    case Task::kFinetune:
+      break;
+  }
+  return torch::cat({encoded_geometry(maps), srgb_of(maps.diffuse), encoded_rss(maps)}, 1);
+}
+
+MaterialMaps maps_of(Task task, const Tensor& output, MaterialMaps maps) {
+  if (task == Task::kGeometry || task == Task::kFinetune) set_geometry(maps, output, 0);
+  if (task == Task::kAlbedo) maps.diffuse = linear_of(output);
+  if (task == Task::kFinetune) maps.diffuse = linear_of(output.slice(1, 4, 7));
+  if (task == Task::kRss) set_rss(maps, output, 0);
+  if (task == Task::kFinetune) set_rss(maps, output, 7);
+  return maps;
+}
+
+MaterialMaps controlled(Task task, MaterialMaps maps) {
+  const auto hold = [&](double roughness, double specular) {
+    maps.roughness = torch::full_like(maps.roughness, roughness);
+    maps.specular = torch::full_like(maps.specular, specular);
+  };
+  if (task == Task::kGeometry) hold(kGeometryRoughness, kGeometrySpecular);
+  if (task == Task::kAlbedo) hold(kAlbedoRoughness, kAlbedoSpecular);
+  return maps;
+}
+
+Tensor linear_of(const Tensor& srgb) {
+  return torch::where(srgb <= 0.04045, srgb / 12.92,
+                      torch::pow((srgb.clamp_min(0.04045) + 0.055) / 1.055, 2.4));
+}
+
+Tensor srgb_of(const Tensor& linear) {
+  const Tensor x = linear.clamp(0, 1);
+  return torch::where(x <= 0.0031308, x * 12.92, 1.055 * torch::pow(x.clamp_min(0.0031308), 1 / 2.4) - 0.055);
+}
+
+Losses losses_of(Task task, const Tensor& output, const MaterialMaps& truth, const Tensor& mask,
+                 const std::vector<shading::Light<double>>& lights, double render_weight,
+                 const shading::Options& options) {
+  const MaterialMaps estimate = maps_of(task, output, truth);
+  // Normals count after normalisation: their length in the output means nothing.
+  const bool has_normal = task == Task::kGeometry || task == Task::kFinetune;
+  const Tensor counted = has_normal ? torch::cat({(estimate.normal + 1) / 2, output.slice(1, 3)}, 1) : output;
+  const Tensor difference = (counted - encoded_maps(task, truth)).abs() * mask;
+  Losses losses;
+  losses.map = difference.sum() / (mask.sum() * static_cast<double>(output.size(1))).clamp_min(1e-6);
+  losses.render =
+      fused_rendering_loss(controlled(task, estimate), controlled(task, truth), mask, lights, options);
+  losses.total = losses.map + render_weight * losses.render;
+  return losses;
+}
+
+}  // namespace ohb

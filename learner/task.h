@@ -1,0 +1,64 @@
+// The four things that can be trained, their networks behind one face, and how outputs and maps correspond.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "learner/fused_loss.h"
+#include "learner/networks.h"
+
+namespace ohb {
+
+enum class Task { kGeometry, kAlbedo, kRss, kFinetune };
+constexpr std::array<Task, 4> kTasks = {Task::kGeometry, Task::kAlbedo, Task::kRss, Task::kFinetune};
+
+/// "geometry", "albedo", "rss", "finetune".
+const char* name_of(Task task);
+/// Throws InputError for another name.
+Task task_from_name(const std::string& name);
+
+/// A network of any of the tasks.
+struct Network {
+  Task task;
+  double width;
+  PriorNet prior{nullptr};        // all but finetune
+  FinetuneNet finetune{nullptr};  // finetune
+
+  torch::nn::Module& module() const;
+  /// `guidance` (B, 10, H, W) is used by finetune only. Output: (B, output_channels(task), H, W) in (0, 1).
+  torch::Tensor forward(const torch::Tensor& input, const torch::Tensor& guidance) const;
+};
+
+/// Freshly initialised; torch::manual_seed decides with what.
+Network make_network(Task task, double width);
+
+/// geometry 4: normal as (n + 1) / 2, displacement as 0.5 + d / 2 (d in half frames). albedo 3: sRGB-encoded.
+/// rss 3: roughness, S, sss. finetune 10: normal, displacement, albedo, rss.
+int64_t output_channels(Task task);
+
+/// The maps as a network of that task puts them out; the inverse of maps_of.
+torch::Tensor encoded_maps(Task task, const MaterialMaps& maps);
+
+/// `maps` with those of the task replaced by its output (normals of unit length, albedo linear).
+MaterialMaps maps_of(Task task, const torch::Tensor& output, MaterialMaps maps);
+
+/// Controlled PBR rendering (CPR): the materials that a prior does not estimate are held, in truth and
+/// prediction alike, at values that make its own matter most. geometry: roughness 0.2, S 0.5; albedo:
+/// roughness 0.8, S 0.03; all others as in the truth.
+MaterialMaps controlled(Task task, MaterialMaps maps);
+
+/// Encoded sRGB to linear, for values in [0, 1].
+torch::Tensor linear_of(const torch::Tensor& srgb);
+torch::Tensor srgb_of(const torch::Tensor& linear);
+
+struct Losses {
+  torch::Tensor total, map, render;
+};
+
+/// map: L1 of encoded outputs and truth (normals normalised first), averaged over channels and, by coverage,
+/// over the foreground. render: fused_rendering_loss under CPR. total = map + render_weight x render.
+Losses losses_of(Task task, const torch::Tensor& output, const MaterialMaps& truth, const torch::Tensor& mask,
+                 const std::vector<shading::Light<double>>& lights, double render_weight,
+                 const shading::Options& options = {});
+
+}  // namespace ohb

@@ -1,0 +1,82 @@
+// Outputs to maps and back, controlled values, and the losses of a task.
+#include "learner/task.h"
+
+#include <gtest/gtest.h>
+
+#include "dataset/model/colour.h"
+#include "test_maps.h"
+
+namespace ohb {
+namespace {
+
+using torch::Tensor;
+
+TEST(Task, EncodingAndDecodingAreInverse) {
+  const MaterialMaps maps = random_maps(2, 16, 16, torch::kFloat, 1);
+  const MaterialMaps other = random_maps(2, 16, 16, torch::kFloat, 2);
+  for (const Task task : kTasks) {
+    const Tensor encoded = encoded_maps(task, maps);
+    EXPECT_EQ(encoded.size(1), output_channels(task)) << name_of(task);
+    EXPECT_TRUE(torch::allclose(encoded_maps(task, maps_of(task, encoded, other)), encoded, 1e-4, 1e-5))
+        << name_of(task);
+    EXPECT_EQ(task_from_name(name_of(task)), task);
+  }
+  MaterialMaps all = maps_of(Task::kFinetune, encoded_maps(Task::kFinetune, maps), other);
+  MaterialMaps wanted = maps;
+  for (size_t i = 0; i < 6; ++i)
+    EXPECT_TRUE(torch::allclose(*tensors_of(all)[i], *tensors_of(wanted)[i], 1e-4, 1e-5)) << kMapNames[i];
+}
+
+TEST(Task, TransferFunctionsEqualTheDataModels) {
+  for (const float v : {0.f, 0.002f, 0.01f, 0.2f, 0.9f, 1.f}) {
+    EXPECT_NEAR(linear_of(torch::tensor(v)).item<float>(), srgb_to_linear(v), 1e-6);
+    EXPECT_NEAR(srgb_of(torch::tensor(v)).item<float>(), linear_to_srgb(v), 1e-6);
+  }
+  // At black the gradient is finite.
+  Tensor black = torch::zeros({1}).requires_grad_(true);
+  linear_of(black).sum().backward();
+  EXPECT_NEAR(black.grad().item<float>(), 1 / 12.92, 1e-6);
+}
+
+TEST(Task, ControlHoldsWhatAPriorDoesNotEstimate) {
+  const MaterialMaps maps = random_maps(1, 8, 8, torch::kFloat, 3);
+  const MaterialMaps geometry = controlled(Task::kGeometry, maps), albedo = controlled(Task::kAlbedo, maps);
+  EXPECT_FLOAT_EQ(geometry.roughness.max().item<float>(), 0.2f);
+  EXPECT_FLOAT_EQ(geometry.specular.min().item<float>(), 0.5f);
+  EXPECT_TRUE(geometry.diffuse.equal(maps.diffuse));
+  EXPECT_FLOAT_EQ(albedo.roughness.max().item<float>(), 0.8f);
+  EXPECT_FLOAT_EQ(albedo.specular.min().item<float>(), 0.03f);
+  EXPECT_TRUE(controlled(Task::kRss, maps).roughness.equal(maps.roughness));
+}
+
+TEST(Losses, AreZeroForTheTruthAndFallToIt) {
+  const MaterialMaps truth = random_maps(1, 16, 16, torch::kFloat, 4);
+  const Tensor mask = torch::ones({1, 1, 16, 16});
+  for (const Task task : kTasks) {
+    const Tensor exact = encoded_maps(task, truth);
+    const Losses zero = losses_of(task, exact, truth, mask, training_lights(1), 1);
+    EXPECT_NEAR(zero.total.item<double>(), 0, 1e-4) << name_of(task);
+    Tensor near = (exact * 0.9 + 0.05).requires_grad_(true);
+    const Losses losses = losses_of(task, near, truth, mask, training_lights(1), 1);
+    EXPECT_GT(losses.map.item<double>(), 1e-3) << name_of(task);
+    EXPECT_GT(losses.render.item<double>(), 1e-5) << name_of(task);
+    losses.total.backward();
+    const Tensor stepped = (near - 1e-3 * near.grad() / near.grad().abs().max()).detach();
+    EXPECT_LT(losses_of(task, stepped, truth, mask, training_lights(1), 1).total.item<double>(),
+              losses.total.item<double>())
+        << name_of(task);
+  }
+}
+
+TEST(Losses, CountTheForegroundOnly) {
+  const MaterialMaps truth = random_maps(1, 16, 16, torch::kFloat, 5);
+  Tensor mask = torch::ones({1, 1, 16, 16});
+  mask.slice(3, 0, 8).fill_(0);
+  Tensor output = encoded_maps(Task::kRss, truth).clone();
+  output.slice(3, 0, 8).fill_(0.77);
+  EXPECT_NEAR(losses_of(Task::kRss, output, truth, mask, training_lights(1), 1).total.item<double>(), 0,
+              1e-6);
+}
+
+}  // namespace
+}  // namespace ohb
