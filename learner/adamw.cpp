@@ -1,0 +1,44 @@
+#include "learner/adamw.h"
+
+#include <cmath>
+
+namespace ohb {
+
+AdamW::AdamW(const torch::nn::Module& module, Options options) : options_(options) {
+  for (const auto& item : module.named_parameters())
+    states_.push_back({item.key(), item.value(), torch::zeros_like(item.value()),
+                       torch::zeros_like(item.value()), torch::empty_like(item.value())});
+}
+
+void AdamW::update(double learning_rate, int64_t step) {
+  torch::NoGradGuard no_gradients;
+  const double correction1 = 1 - std::pow(options_.beta1, static_cast<double>(step));
+  const double correction2 = 1 - std::pow(options_.beta2, static_cast<double>(step));
+  for (State& s : states_) {
+    const torch::Tensor gradient = s.parameter.grad();
+    if (!gradient.defined()) continue;
+    s.first.mul_(options_.beta1).add_(gradient, 1 - options_.beta1);
+    s.second.mul_(options_.beta2).addcmul_(gradient, gradient, 1 - options_.beta2);
+    torch::sqrt_out(s.scratch, s.second).mul_(1 / std::sqrt(correction2)).add_(options_.epsilon);
+    if (s.parameter.dim() > 1) s.parameter.mul_(1 - learning_rate * options_.weight_decay);
+    s.parameter.addcdiv_(s.first, s.scratch, -learning_rate / correction1);
+  }
+}
+
+void AdamW::clear_gradients() {
+  for (State& s : states_) s.parameter.mutable_grad() = torch::Tensor();
+}
+
+double AdamW::clip_gradients(double limit) {
+  torch::NoGradGuard no_gradients;
+  double squared = 0;
+  for (const State& s : states_)
+    if (s.parameter.grad().defined()) squared += std::pow(s.parameter.grad().norm().item<double>(), 2);
+  const double norm = std::sqrt(squared);
+  if (std::isfinite(norm) && norm > limit)
+    for (State& s : states_)
+      if (s.parameter.grad().defined()) s.parameter.mutable_grad().mul_(limit / norm);
+  return norm;
+}
+
+}  // namespace ohb

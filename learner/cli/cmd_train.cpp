@@ -1,0 +1,126 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "learner/blas.h"
+#include "learner/cli/commands.h"
+#include "learner/counts.h"
+#include "learner/train.h"
+
+namespace ohb::learner {
+namespace {
+
+struct Arguments {
+  TrainOptions train;
+  std::string task, data, output, guidance = "truth";
+  std::vector<std::string> priors;
+};
+
+void print_size(const TrainOptions& o) {
+  const Network network = make_network(o.task, o.width);
+  const int64_t multiplies = multiplies_at(
+      [&](int64_t size) {
+        network.forward(torch::zeros({1, 4, size, size}), torch::zeros({1, 10, size, size}));
+      },
+      o.size_px);
+  std::fprintf(stderr, "%s, width %g: %.2f million parameters, %.2f billion multiplies at %d x %d\n",
+               name_of(o.task), o.width, 1e-6 * static_cast<double>(parameter_count(network.module())),
+               1e-9 * static_cast<double>(multiplies), o.size_px, o.size_px);
+}
+
+int run_train(Arguments arguments, const CommonOptions& common) {
+  TrainOptions& o = arguments.train;
+  o.task = task_from_name(arguments.task);
+  o.data = arguments.data;
+  o.run = arguments.output;
+  o.guidance = arguments.guidance == "priors" ? Guidance::kPriors : Guidance::kTruth;
+  o.priors.assign(arguments.priors.begin(), arguments.priors.end());
+  o.seed = common.seed;
+  o.threads = common.threads;
+  use_threads(common.threads);
+  warn_of_slow_blas();
+  check_train_options(o);
+  print_size(o);
+  const TrainReport report = train(o);
+  const int64_t done = report.steps - report.first_step;
+  const double wait = report.seconds > 0 ? report.data_wait_s / report.seconds : 0;
+  if (common.json) {
+    const nlohmann::json json = {{"weights", report.weights.string()},
+                                 {"first_step", report.first_step},
+                                 {"steps", report.steps},
+                                 {"skipped", report.skipped},
+                                 {"first_loss", report.first_loss},
+                                 {"last_loss", report.last_loss},
+                                 {"seconds", report.seconds},
+                                 {"data_wait_share", wait}};
+    std::printf("%s\n", json.dump(2).c_str());
+    return 0;
+  }
+  std::printf("%s: %lld steps in %.1f s (%.1f %% waiting for data), loss %.4f at first, %.4f at last\n",
+              report.weights.c_str(), static_cast<long long>(done), report.seconds, 100 * wait,
+              report.first_loss, report.last_loss);
+  return 0;
+}
+
+void add_schedule(CLI::App& command, TrainOptions& o) {
+  command.add_option("--width", o.width, "width of the network; 1 is the paper's")->capture_default_str();
+  command
+      .add_option("--size", o.size_px, "pixels of a side, a multiple of 16 that divides the samples' size")
+      ->capture_default_str();
+  command.add_option("--batch", o.batch, "samples a step")->capture_default_str();
+  command.add_option("--steps", o.steps, "steps in all (default: by --epochs)");
+  command.add_option("--epochs", o.epochs, "passes over the training views")->capture_default_str();
+  command.add_option("--learning-rate", o.learning_rate, "of AdamW")->capture_default_str();
+  command.add_option("--warmup", o.warmup, "steps over which it rises; a tenth of all at most")
+      ->capture_default_str();
+  command.add_flag("--cosine", o.cosine, "let it fall to 1e-6 by the last step (the paper holds it)");
+  command.add_option("--render-weight", o.render_weight, "weight of the rendering loss")
+      ->capture_default_str();
+  command.add_flag("--linear-render-loss", o.linear_render,
+                   "L1 of radiance, as in the paper, not of ln(1 + radiance)");
+  command.add_flag("--mirror", o.mirror,
+                   "exchange left and right in half of the examples (the paper does not)");
+  command.add_option("--checkpoint-every", o.checkpoint_every, "steps between checkpoints")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command.add_option("--log-every", o.log_every, "steps between log lines")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command.add_option("--loader-threads", o.loader_threads, "threads that read samples")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_train_command(CLI::App& app, Commands& commands) {
+  CLI::App* command =
+      app.add_subcommand("train", "Trains a prior or the finetuning model on rendered samples");
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("MODEL", arguments->task, "geometry, albedo, rss or finetune")->required();
+  command->add_option("--data", arguments->data, "folder with a folder of views a person")->required();
+  command->add_option("-o,--output", arguments->output, "folder of the run")->required();
+  command->add_flag("--resume", arguments->train.resume,
+                    "go on from the run's last checkpoint, if there is one");
+  command->add_option("--hold-out", arguments->train.held_out,
+                      "person to keep for testing; may be repeated (default: every fourth)");
+  command->add_option("--guidance", arguments->guidance, "finetune: maps to refine while it trains")
+      ->check(CLI::IsMember({"truth", "priors"}))
+      ->capture_default_str();
+  command->add_option("--priors", arguments->priors,
+                      "finetune with --guidance priors: three runs or weights");
+  add_schedule(*command, arguments->train);
+  add_common_options(*command, commands.common);
+  command->footer(
+      "Examples:\n"
+      "  humanmaterial train geometry --data dataset --size 128 --width 0.25 --epochs 20 -o runs/geometry\n"
+      "  humanmaterial train finetune --data dataset --guidance priors \\\n"
+      "      --priors runs/geometry runs/albedo runs/rss -o runs/finetune\n"
+      "SIGINT and SIGTERM save and exit with 75; --resume goes on, bit for bit as if nothing had happened.");
+  command->callback([arguments, &commands] {
+    commands.run = [arguments, &commands] { return run_train(*arguments, commands.common); };
+  });
+}
+
+}  // namespace ohb::learner

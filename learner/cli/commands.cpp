@@ -1,0 +1,31 @@
+#include "learner/cli/commands.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <thread>
+
+#include "learner/torch.h"
+
+namespace ohb::learner {
+
+void add_common_options(CLI::App& command, CommonOptions& options) {
+  command.add_option("--threads", options.threads, "threads to use (default: all processors)")
+      ->check(CLI::Range(0, 4096));
+  command.add_option("--seed", options.seed, "seed of the random numbers")->capture_default_str();
+  command.add_flag("--json", options.json, "print one machine-readable result on stdout");
+}
+
+void use_threads(int threads) {
+  // libtorch would count the cores, not the processors, and take one thread on a machine of two.
+  torch::set_num_threads(threads > 0 ? threads
+                                     : static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
+}
+
+// Each of these is in its own cmd_<name>.cpp.
+void add_train_command(CLI::App& app, Commands& commands);
+
+void Commands::add_to(CLI::App& app) {
+  add_train_command(app, *this);
+}
+
+}  // namespace ohb::learner

@@ -1,0 +1,33 @@
+// The commands of humanmaterial. Each cmd_<name>.cpp adds its sub-command and says what to run.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace ohb::learner {
+
+/// Options that every command has.
+struct CommonOptions {
+  int threads = 0;  // 0: all processors
+  uint64_t seed = 1;
+  bool json = false;  // one machine-readable result on stdout; progress and logs go to stderr
+};
+
+struct Commands {
+  CommonOptions common;
+  std::function<int()> run;  // set by the sub-command's callback; returns the exit code
+
+  void add_to(CLI::App& app);
+};
+
+/// Adds --threads, --seed and --json.
+void add_common_options(CLI::App& command, CommonOptions& options);
+
+/// Sets libtorch's threads; called by every command before it computes.
+void use_threads(int threads);
+
+}  // namespace ohb::learner

@@ -1,0 +1,80 @@
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+
+#include "dataset/model/error.h"
+#include "dataset/model/image.h"
+#include "dataset/model/interrupt.h"
+#include "learner/cli/commands.h"
+#include "learner/torch.h"
+
+namespace ohb::learner {
+namespace {
+
+std::string version_text() {
+  std::string features;
+  if (__builtin_cpu_supports("avx2")) features += " AVX2";
+  if (__builtin_cpu_supports("fma")) features += " FMA";
+  if (__builtin_cpu_supports("avx512f")) features += " AVX-512";
+  return "humanmaterial " OHB_VERSION "\nlibtorch " TORCH_VERSION "\nOpenImageIO " + image_library_version() +
+         "\nprocessor features:" + features + "\n";
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{
+      "Materials of people from one photograph: train, evaluate, estimate.\n"
+      "Example: humanmaterial train geometry --data dataset -o runs/geometry",
+      "humanmaterial"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", version_text);
+  Commands commands;
+  commands.add_to(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& information) {
+    return app.exit(information);
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "humanmaterial: %s; see humanmaterial --help\n", error.what());
+    return kExitBadInput;
+  }
+  catch_interrupts();
+  // stdout belongs to results.
+  spdlog::set_default_logger(spdlog::stderr_color_mt("humanmaterial"));
+  spdlog::set_pattern("%^%l%$: %v");
+  return commands.run();
+}
+
+/// OpenMP's threads spin while they wait, which makes everything several times slower on a machine that
+/// others use too. The library reads its setting when it is loaded, so the program starts itself once more
+/// with it; OMP_WAIT_POLICY=active in the environment is left alone.
+void wait_without_spinning(char** argv) {
+  if (std::getenv("OMP_WAIT_POLICY")) return;
+  ::setenv("OMP_WAIT_POLICY", "passive", 1);
+  ::execv("/proc/self/exe", argv);  // returns only if it fails, and then all goes on, just slower
+}
+
+}  // namespace
+}  // namespace ohb::learner
+
+int main(int argc, char** argv) {
+  ohb::learner::wait_without_spinning(argv);
+  try {
+    return ohb::learner::run(argc, argv);
+  } catch (const ohb::InputError& error) {
+    std::fprintf(stderr, "humanmaterial: %s\n", error.what());
+    return ohb::kExitBadInput;
+  } catch (const ohb::TryAgainError& error) {
+    std::fprintf(stderr, "humanmaterial: %s\n", error.what());
+    return ohb::kExitTryAgain;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "humanmaterial: not enough memory; use a smaller --size, --width or --batch\n");
+    return ohb::kExitTryAgain;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "humanmaterial: a bug: %s; please report it with the command line\n", error.what());
+    return ohb::kExitBug;
+  }
+}

@@ -1,0 +1,353 @@
+#include "learner/train.h"
+
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <thread>
+
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/error.h"
+#include "dataset/model/interrupt.h"
+#include "learner/hash.h"
+#include "learner/loader.h"
+#include "learner/run_log.h"
+
+namespace ohb {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+using torch::Tensor;
+
+enum Purpose : uint64_t { kLightPlace = 3, kMirror = 4 };
+constexpr int64_t kMaxSkippedInARow = 10;
+constexpr double kFinalRate = 1e-6;
+
+/// What a resumed run must have in common with the run that it goes on with.
+json header_of(const TrainOptions& o, const Split& split, int64_t steps) {
+  json header = {{"format", kCheckpointFormat},
+                 {"task", name_of(o.task)},
+                 {"width", o.width},
+                 {"size_px", o.size_px},
+                 {"batch", o.batch},
+                 {"learning_rate", o.learning_rate},
+                 {"weight_decay", o.weight_decay},
+                 {"clip", o.clip},
+                 {"warmup", o.warmup},
+                 {"cosine", o.cosine},
+                 {"render_weight", o.render_weight},
+                 {"linear_render", o.linear_render},
+                 {"guidance", o.guidance == Guidance::kTruth ? "truth" : "priors"},
+                 {"mirror", o.mirror},
+                 {"seed", o.seed},
+                 {"trained_on", split.training},
+                 {"held_out", split.held_out}};
+  // The schedule depends on the number of steps.
+  if (o.cosine || o.warmup * 10 > steps) header["schedule_steps"] = steps;
+  return header;
+}
+
+void check_same(const json& before, const json& now, const fs::path& file) {
+  json wanted = now;
+  if (before.contains("schedule_steps") && !now.contains("schedule_steps"))
+    wanted["schedule_steps"] = nullptr;
+  for (const auto& [key, value] : wanted.items())
+    if (!before.contains(key) || before[key] != value)
+      throw InputError(file.string(), key,
+                       "is " + (before.contains(key) ? before[key].dump() : "unset") + " in the run and " +
+                           value.dump() + " now",
+                       "give the run's options, or another -o for a new run");
+}
+
+struct Batch {
+  std::vector<std::string> names;
+  Tensor input, mask;
+  MaterialMaps truth;
+};
+
+/// Left and right exchanged: x components of normals change their sign.
+void mirror(Example& e) {
+  MaterialMaps& m = e.truth;
+  for (Tensor* map :
+       {&e.input, &e.mask, &m.normal, &m.diffuse, &m.roughness, &m.specular, &m.sss, &m.displacement})
+    *map = map->flip(3);
+  m.normal.select(1, 0).neg_();
+}
+
+/// Half of the examples are mirrored if `mirror_key` is not 0: which ones is a function of key and position.
+Batch next_batch(Loader& loader, int size, uint64_t mirror_key, uint64_t position) {
+  std::vector<Example> examples;
+  for (int i = 0; i < size; ++i) {
+    examples.push_back(loader.next());
+    if (mirror_key != 0 && uniform_of(mirror_key, position + static_cast<uint64_t>(i)) < 0.5)
+      mirror(examples.back());
+  }
+  const auto joined = [&](auto member) {
+    std::vector<Tensor> parts;
+    for (const Example& e : examples) parts.push_back(member(e));
+    return parts.size() == 1 ? parts[0] : torch::cat(parts);
+  };
+  Batch batch;
+  for (const Example& e : examples) batch.names.push_back(e.name);
+  batch.input = joined([](const Example& e) { return e.input; });
+  batch.mask = joined([](const Example& e) { return e.mask; });
+  batch.truth = {joined([](const Example& e) { return e.truth.normal; }),
+                 joined([](const Example& e) { return e.truth.diffuse; }),
+                 joined([](const Example& e) { return e.truth.roughness; }),
+                 joined([](const Example& e) { return e.truth.specular; }),
+                 joined([](const Example& e) { return e.truth.sss; }),
+                 joined([](const Example& e) { return e.truth.displacement; })};
+  return batch;
+}
+
+/// What one step came to.
+struct Step {
+  double total, map, render, gradient_norm;
+  bool finite() const { return std::isfinite(total) && std::isfinite(gradient_norm); }
+};
+
+/// Means of several steps.
+struct Means {
+  double total = 0, map = 0, render = 0, gradient_norm = 0;
+  int64_t count = 0;
+
+  void add(const Step& step) {
+    total += step.total;
+    map += step.map;
+    render += step.render;
+    gradient_norm += step.gradient_norm;
+    ++count;
+  }
+  double mean(double sum) const { return count > 0 ? sum / static_cast<double>(count) : 0; }
+  /// For the log; starts anew.
+  json take() {
+    const json line = {{"loss", mean(total)},
+                       {"map", mean(map)},
+                       {"render", mean(render)},
+                       {"gradient_norm", mean(gradient_norm)}};
+    *this = {};
+    return line;
+  }
+};
+
+/// A run in progress.
+class Trainer {
+ public:
+  explicit Trainer(const TrainOptions& options)
+      : options_(options),
+        dataset_(read_dataset(options.data)),
+        split_(split_people(dataset_, options.held_out, options.seed)),
+        views_(views_of(dataset_, split_.training)),
+        steps_(options.steps > 0 ? options.steps : steps_of_epochs()),
+        header_(header_of(options, split_, steps_)),
+        network_(make_seeded()),
+        optimiser_(network_.module(), {options.weight_decay}) {
+    if (options.guidance == Guidance::kPriors) priors_ = std::make_unique<PriorSet>(options.priors);
+    first_step_ = start_or_resume();
+  }
+
+  TrainReport run();
+
+ private:
+  int64_t steps_of_epochs() const {
+    return static_cast<int64_t>((views_.size() * static_cast<size_t>(options_.epochs) + options_.batch - 1) /
+                                options_.batch);
+  }
+  Network make_seeded() const {
+    torch::manual_seed(options_.seed);
+    return make_network(options_.task, options_.width);
+  }
+  int64_t start_or_resume();
+  Step step(const Batch& batch, int64_t number);
+  void note_skipped(const Batch& batch, int64_t number, int64_t in_a_row, RunLog& log);
+  void stop_if_interrupted(int64_t number, RunLog& log);
+  void save(int64_t step);
+  void finish(TrainReport& report);
+
+  TrainOptions options_;
+  Dataset dataset_;
+  Split split_;
+  std::vector<fs::path> views_;
+  int64_t steps_, first_step_ = 0;
+  json header_;
+  Network network_;
+  AdamW optimiser_;
+  std::unique_ptr<PriorSet> priors_;
+};
+
+int64_t Trainer::start_or_resume() {
+  make_folders(options_.run);
+  const auto newest = newest_checkpoint(options_.run);
+  if (!newest) return 0;
+  if (!options_.resume)
+    throw InputError(options_.run.string(), "", "holds a run already",
+                     "add --resume to go on with it, or choose another -o");
+  remove_torn_checkpoints(options_.run);
+  check_same(read_checkpoint_header(*newest), header_, *newest);
+  return load_checkpoint(*newest, optimiser_).at("step").get<int64_t>();
+}
+
+Step Trainer::step(const Batch& batch, int64_t number) {
+  optimiser_.clear_gradients();
+  Tensor guidance;
+  if (options_.task == Task::kFinetune)
+    guidance = priors_ ? priors_->estimate(batch.input) : encoded_maps(Task::kFinetune, batch.truth);
+  const Tensor output = network_.forward(batch.input, guidance);
+  const auto lights = training_lights(key_of({options_.seed, kLightPlace, static_cast<uint64_t>(number)}));
+  shading::Options shading;
+  shading.log_domain = !options_.linear_render;
+  const Losses losses =
+      losses_of(options_.task, output, batch.truth, batch.mask, lights, options_.render_weight, shading);
+  Step result{losses.total.item<double>(), losses.map.item<double>(), losses.render.item<double>(), 0};
+  if (!std::isfinite(result.total)) return result;
+  losses.total.backward();
+  result.gradient_norm = optimiser_.clip_gradients(options_.clip);
+  if (result.finite()) optimiser_.update(learning_rate_at(options_, number, steps_), number);
+  return result;
+}
+
+void Trainer::save(int64_t step) {
+  header_["step"] = step;
+  header_["version"] = OHB_VERSION;
+  save_checkpoint(options_.run, header_, optimiser_, options_.keep);
+}
+
+void Trainer::finish(TrainReport& report) {
+  header_["step"] = steps_;
+  header_["version"] = OHB_VERSION;
+  report.weights = options_.run / kWeightsName;
+  save_weights(report.weights, header_, network_);
+}
+
+void Trainer::note_skipped(const Batch& batch, int64_t number, int64_t in_a_row, RunLog& log) {
+  log.add({{"event", "skipped"}, {"step", number}, {"samples", batch.names}});
+  spdlog::warn("step {} left out: loss or gradient is not finite for {}", number, batch.names[0]);
+  if (in_a_row == kMaxSkippedInARow)
+    throw InputError(batch.names[0], "step " + std::to_string(number),
+                     "the loss or its gradient is not finite, for the tenth time in a row",
+                     "look at the sample, or lower --learning-rate");
+}
+
+void Trainer::stop_if_interrupted(int64_t number, RunLog& log) {
+  try {
+    throw_if_interrupted();
+  } catch (const TryAgainError&) {
+    save(number);
+    log.add({{"event", "stopped"}, {"step", number}});
+    throw TryAgainError(options_.run.string(),
+                        "stopped by a signal after step " + std::to_string(number) + ", which is saved",
+                        "add --resume to go on");
+  }
+}
+
+TrainReport Trainer::run() {
+  TrainReport report;
+  report.first_step = first_step_;
+  report.steps = steps_;
+  RunLog log(options_.run / "log.jsonl", first_step_);
+  log.add({{"event", first_step_ > 0 ? "resume" : "start"},
+           {"step", first_step_},
+           {"steps", steps_},
+           {"threads", torch::get_num_threads()},
+           {"options", header_}});
+  Loader loader(views_, {options_.size_px, options_.seed, static_cast<uint64_t>(first_step_ * options_.batch),
+                         options_.loader_threads, 4 * options_.batch});
+  const uint64_t mirror_key = options_.mirror ? key_of({options_.seed, kMirror}) : 0;
+  TrainProgress progress(first_step_, steps_, options_.quiet);
+  const int64_t tenth = std::max<int64_t>(1, (steps_ - first_step_) / 10);
+  Means logged, first, last;
+  int64_t in_a_row = 0;
+  for (int64_t number = first_step_ + 1; number <= steps_; ++number) {
+    const Batch batch =
+        next_batch(loader, options_.batch, mirror_key, static_cast<uint64_t>((number - 1) * options_.batch));
+    const Step result = step(batch, number);
+    in_a_row = result.finite() ? 0 : in_a_row + 1;
+    if (result.finite()) {
+      logged.add(result);
+      if (number - first_step_ <= tenth) first.add(result);
+      if (steps_ - number < tenth) last.add(result);
+    } else {
+      ++report.skipped;
+      note_skipped(batch, number, in_a_row, log);
+    }
+    if (number % options_.log_every == 0 && logged.count > 0) {
+      json line = logged.take();
+      line["step"] = number;
+      line["learning_rate"] = learning_rate_at(options_, number, steps_);
+      line["seconds"] = progress.seconds();
+      line["data_wait_s"] = loader.waited_s();
+      log.add(line);
+    }
+    progress.show(number, result.total, loader.waited_s());
+    if (number == steps_ || number % options_.checkpoint_every == 0) save(number);
+    if (number < steps_) stop_if_interrupted(number, log);
+  }
+  report.seconds = progress.seconds();
+  report.data_wait_s = loader.waited_s();
+  report.first_loss = first.mean(first.total);
+  report.last_loss = last.mean(last.total);
+  finish(report);
+  log.add({{"event", "done"}, {"step", steps_}, {"seconds", report.seconds}});
+  return report;
+}
+
+}  // namespace
+
+void check_train_options(const TrainOptions& o) {
+  const auto refuse = [](const std::string& place, const std::string& cause) {
+    throw InputError("", place, cause, "see humanmaterial train --help");
+  };
+  if (o.size_px < kResolutionStep || o.size_px % kResolutionStep != 0)
+    refuse("--size " + std::to_string(o.size_px), "is no multiple of 16");
+  if (!(o.width >= 0.05 && o.width <= 4)) refuse("--width", "is not from 0.05 to 4");
+  if (o.batch < 1) refuse("--batch", "is below 1");
+  if (o.steps < 0 || (o.steps == 0 && o.epochs < 1)) refuse("--steps", "is below 1");
+  if (!(o.learning_rate > 0)) refuse("--learning-rate", "is not above 0");
+  if (o.guidance == Guidance::kPriors && o.task != Task::kFinetune)
+    refuse("--guidance priors", "is for finetune only");
+  if (o.guidance == Guidance::kPriors && o.priors.size() != 3)
+    refuse("--priors", "needs three files or runs: geometry, albedo and rss");
+}
+
+double learning_rate_at(const TrainOptions& o, int64_t step, int64_t steps) {
+  const int64_t warmup = std::min(o.warmup, steps / 10);
+  if (step <= warmup) return o.learning_rate * static_cast<double>(step) / static_cast<double>(warmup);
+  if (!o.cosine) return o.learning_rate;
+  const double share =
+      static_cast<double>(step - warmup) / static_cast<double>(std::max<int64_t>(1, steps - warmup));
+  return kFinalRate + (o.learning_rate - kFinalRate) * 0.5 * (1 + std::cos(share * shading::kPi));
+}
+
+TrainReport train(const TrainOptions& options) {
+  check_train_options(options);
+  const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
+  torch::set_num_threads(options.threads > 0 ? options.threads : static_cast<int>(processors));
+  return Trainer(options).run();
+}
+
+PriorSet::PriorSet(const std::vector<fs::path>& files_or_runs) {
+  for (const Task task : {Task::kGeometry, Task::kAlbedo, Task::kRss}) {
+    bool found = false;
+    for (const fs::path& file : files_or_runs) {
+      LoadedNetwork loaded = load_network(file);
+      if (loaded.network.task != task) continue;
+      if (found)
+        throw InputError(file.string(), "", std::string("is a second ") + name_of(task) + " prior",
+                         "give one of each");
+      found = true;
+      networks_.push_back(loaded.network);
+    }
+    if (!found)
+      throw InputError("", "priors", std::string("there is no ") + name_of(task) + " prior",
+                       "give geometry, albedo and rss");
+  }
+}
+
+Tensor PriorSet::estimate(const Tensor& input) const {
+  torch::NoGradGuard no_gradients;
+  std::vector<Tensor> outputs;
+  for (const Network& network : networks_) outputs.push_back(network.forward(input, {}));
+  return torch::cat(outputs, 1);
+}
+
+}  // namespace ohb

@@ -1,0 +1,79 @@
+// Training of a prior or of the finetuning model.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "learner/checkpoint.h"
+#include "learner/task.h"
+
+namespace ohb {
+
+/// What the finetuning model gets as guidance while it trains.
+enum class Guidance {
+  kTruth,  // the ground-truth maps, as in the paper
+  kPriors  // the trained priors' estimates, as it gets when it runs
+};
+
+struct TrainOptions {
+  Task task = Task::kGeometry;
+  std::filesystem::path data, run;
+  bool resume = false;
+  std::vector<std::string> held_out;  // people; empty: split_people chooses
+  double width = 0.25;
+  int size_px = 128, batch = 1;
+  int64_t steps = 0;  // 0: `epochs` passes over the views
+  int epochs = 100;
+  double learning_rate = 1e-4, weight_decay = 0.01, clip = 1;
+  int64_t warmup = 1000;  // steps of linear rise; at most a tenth of all
+  bool cosine = false;    // then falls to 1e-6 at the last step; else constant, as in the paper
+  double render_weight = 1;
+  bool linear_render = false;  // plain L1 of radiance, as in the paper, instead of ln(1 + x)
+  bool mirror = false;         // half of the examples with left and right exchanged (not in the paper)
+  Guidance guidance = Guidance::kTruth;
+  std::vector<std::filesystem::path> priors;  // three of them for Guidance::kPriors
+  uint64_t seed = 1;
+  int threads = 0, loader_threads = 1;  // 0: all processors
+  int64_t checkpoint_every = 500, log_every = 10;
+  int keep = 2;        // checkpoints
+  bool quiet = false;  // no progress line
+};
+
+struct TrainReport {
+  int64_t first_step = 0, steps = 0, skipped = 0;
+  double first_loss = 0, last_loss = 0;  // means over the first and the last tenth of this call's steps
+  double seconds = 0, data_wait_s = 0;
+  std::filesystem::path weights;
+};
+
+/// Trains until the last step and writes RUN/weights.safetensors; on the way RUN/step_*.safetensors and
+/// RUN/log.jsonl, one line of JSON an event. A function of options and data: two runs on the same number of
+/// threads are equal bit for bit, interrupted and resumed or not.
+///
+/// A step whose loss or gradient isn't finite is left out and logged with its samples' names; ten in a row
+/// are an InputError.
+/// Throws InputError: bad options or data, a run that exists (without `resume`) or that was started with
+/// other options (with it); TryAgainError: disk full, or SIGINT or SIGTERM, after saving.
+TrainReport train(const TrainOptions& options);
+
+/// Throws InputError, naming the option, for values that make no sense together.
+void check_train_options(const TrainOptions& options);
+
+/// Learning rate of step `step` of `steps`, counted from 1.
+double learning_rate_at(const TrainOptions& options, int64_t step, int64_t steps);
+
+/// The priors' ten channels side by side, in the order of the finetuning model, without gradients.
+/// Throws InputError unless `priors` are one of geometry, albedo and rss each, in any order.
+class PriorSet {
+ public:
+  explicit PriorSet(const std::vector<std::filesystem::path>& files_or_runs);
+  torch::Tensor estimate(const torch::Tensor& input) const;
+
+ private:
+  std::vector<Network> networks_;  // geometry, albedo, rss
+};
+
+}  // namespace ohb

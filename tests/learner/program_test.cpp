@@ -1,0 +1,126 @@
+// The program humanmaterial from outside: exit codes, words, stopping and going on.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <thread>
+
+#include "dataset/model/atomic_file.h"
+#include "learner/checkpoint.h"
+#include "test_samples.h"
+#include "tests/support/test_files.h"
+
+namespace ohb {
+namespace {
+
+struct Result {
+  int code;  // exit code, or minus the signal
+  std::string out, error;
+};
+
+/// A started program, its outputs in files of `folder`.
+class Program {
+ public:
+  Program(const TemporaryFolder& folder, const std::vector<std::string>& arguments)
+      : out_(folder / "stdout"), error_(folder / "stderr") {
+    std::vector<std::string> all = {OHB_HUMANMATERIAL};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& a : all) argv.push_back(a.data());
+    argv.push_back(nullptr);
+    child_ = ::fork();
+    if (child_ == 0) {
+      ::dup2(::open(out_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
+      ::dup2(::open(error_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+      ::execv(argv[0], argv.data());
+      ::_exit(127);
+    }
+  }
+  void send(int signal) { ::kill(child_, signal); }
+  Result wait() {
+    int status = 0;
+    ::waitpid(child_, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), read_file(out_), read_file(error_)};
+  }
+
+ private:
+  std::filesystem::path out_, error_;
+  pid_t child_ = -1;
+};
+
+Result run(const TemporaryFolder& folder, const std::vector<std::string>& arguments) {
+  return Program(folder, arguments).wait();
+}
+
+std::vector<std::string> training(const TemporaryFolder& folder, const std::string& steps) {
+  return {"train",     "rss",
+          "--data",    folder / "data",
+          "-o",        folder / "run",
+          "--width",   "0.125",
+          "--size",    "16",
+          "--steps",   steps,
+          "--threads", "1",
+          "--json",    "--checkpoint-every",
+          "100000"};
+}
+
+TEST(Program, SaysWhatItIs) {
+  TemporaryFolder folder;
+  const Result version = run(folder, {"--version"});
+  EXPECT_EQ(version.code, 0);
+  EXPECT_NE(version.out.find("libtorch"), std::string::npos) << version.out;
+  for (const char* command : {"train", "evaluate", "estimate"}) {
+    const Result help = run(folder, {command, "--help"});
+    EXPECT_EQ(help.code, 0);
+    EXPECT_NE(help.out.find("Examples:"), std::string::npos) << help.out;
+  }
+}
+
+TEST(Program, BadInputIsTwoAndOneLine) {
+  TemporaryFolder folder;
+  const std::vector<std::vector<std::string>> commands = {
+      {},
+      {"cook"},
+      {"train", "geometry"},
+      {"train", "cooking", "--data", folder / "data", "-o", folder / "run"},
+      {"train", "rss", "--data", folder / "none", "-o", folder / "run"},
+      {"evaluate", folder / "none", "--data", folder / "none"},
+      {"estimate", folder / "none.png", "--weights", folder / "none", "-o", folder / "maps"}};
+  for (const auto& command : commands) {
+    const Result result = run(folder, command);
+    EXPECT_EQ(result.code, 2) << (command.empty() ? "" : command[0]) << result.error;
+    EXPECT_EQ(result.out, "");
+    EXPECT_NE(result.error.find("humanmaterial: "), std::string::npos);
+  }
+}
+
+TEST(Program, TerminationSavesAndResumeGoesOnBitForBit) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 1, 2, 16);
+  std::vector<std::string> command = training(folder, "400");
+  Program first(folder, command);
+  // Until the run is under way.
+  for (int i = 0; i < 600 && !std::filesystem::exists(folder / "run" / "log.jsonl"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  first.send(SIGTERM);
+  const Result stopped = first.wait();
+  ASSERT_EQ(stopped.code, 75) << stopped.error;
+  EXPECT_NE(stopped.error.find("--resume"), std::string::npos);
+  const auto newest = newest_checkpoint(folder / "run");
+  ASSERT_TRUE(newest);
+  EXPECT_LT(read_checkpoint_header(*newest)["step"], 400);
+  EXPECT_EQ(run(folder, command).code, 2) << "not without --resume";
+  command.push_back("--resume");
+  const Result resumed = run(folder, command);
+  ASSERT_EQ(resumed.code, 0) << resumed.error;
+  EXPECT_GT(nlohmann::json::parse(resumed.out)["first_step"], 0);
+  std::filesystem::rename(folder / "run", folder / "stopped");
+  ASSERT_EQ(run(folder, training(folder, "400")).code, 0);
+  EXPECT_EQ(read_file(folder / "run" / kWeightsName), read_file(folder / "stopped" / kWeightsName));
+}
+
+}  // namespace
+}  // namespace ohb

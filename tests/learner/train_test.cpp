@@ -1,0 +1,274 @@
+// Checkpoints that survive anything, and runs that go on bit for bit.
+#include "learner/train.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <csignal>
+#include <fstream>
+
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/interrupt.h"
+#include "learner/safetensors.h"
+#include "test_samples.h"
+#include "tests/support/test_files.h"
+
+namespace ohb {
+namespace {
+
+using nlohmann::json;
+
+json small_header(int64_t step) {
+  return {{"format", 1}, {"task", "rss"}, {"width", 0.125}, {"size_px", 16}, {"step", step}};
+}
+
+TrainOptions options_of(const TemporaryFolder& folder, const std::string& run, int64_t steps) {
+  TrainOptions o;
+  o.task = Task::kRss;
+  o.data = folder / "data";
+  o.run = folder / run;
+  o.width = 0.125;
+  o.size_px = 16;
+  o.steps = steps;
+  o.learning_rate = 1e-3;
+  o.warmup = 2;
+  o.threads = 2;
+  o.checkpoint_every = 1000;
+  o.log_every = 1;
+  o.quiet = true;
+  return o;
+}
+
+std::vector<json> log_of(const std::filesystem::path& run) {
+  std::vector<json> lines;
+  std::ifstream stream(run / "log.jsonl");
+  for (std::string line; std::getline(stream, line);) lines.push_back(json::parse(line));
+  return lines;
+}
+
+TEST(Checkpoint, ComesBackBitForBit) {
+  TemporaryFolder folder;
+  const Network network = make_network(Task::kRss, 0.125);
+  AdamW optimiser(network.module(), {});
+  for (auto& s : optimiser.states()) s.first.uniform_(), s.second.uniform_();
+  save_checkpoint(folder.path(), small_header(12), optimiser, 2);
+  const Network other = make_network(Task::kRss, 0.125);
+  AdamW loaded(other.module(), {});
+  EXPECT_EQ(load_checkpoint(*newest_checkpoint(folder.path()), loaded)["step"], 12);
+  for (size_t i = 0; i < loaded.states().size(); ++i) {
+    EXPECT_TRUE(loaded.states()[i].parameter.equal(optimiser.states()[i].parameter));
+    EXPECT_TRUE(loaded.states()[i].first.equal(optimiser.states()[i].first));
+    EXPECT_TRUE(loaded.states()[i].second.equal(optimiser.states()[i].second));
+  }
+}
+
+TEST(Checkpoint, KeepsTheNewestFew) {
+  TemporaryFolder folder;
+  const Network network = make_network(Task::kRss, 0.125);
+  AdamW optimiser(network.module(), {});
+  for (const int64_t step : {5, 90, 100, 1000})
+    save_checkpoint(folder.path(), small_header(step), optimiser, 2);
+  EXPECT_FALSE(std::filesystem::exists(checkpoint_file(folder.path(), 90)));
+  EXPECT_TRUE(std::filesystem::exists(checkpoint_file(folder.path(), 100)));
+  EXPECT_EQ(*newest_checkpoint(folder.path()), checkpoint_file(folder.path(), 1000));
+  EXPECT_FALSE(newest_checkpoint(folder / "nothing"));
+}
+
+TEST(Checkpoint, RefusesWhatDoesNotFitInWords) {
+  TemporaryFolder folder;
+  const Network small = make_network(Task::kRss, 0.125), wide = make_network(Task::kRss, 0.25);
+  AdamW of_small(small.module(), {}), of_wide(wide.module(), {});
+  save_checkpoint(folder.path(), small_header(1), of_small, 2);
+  const auto file = checkpoint_file(folder.path(), 1);
+  const torch::Tensor before = of_wide.states()[0].parameter.clone();
+  expect_message(input_error_of([&] { load_checkpoint(file, of_wide); }), {"step_00000001", "another shape"});
+  EXPECT_TRUE(before.equal(of_wide.states()[0].parameter)) << "nothing is changed";
+  {
+    torch::NoGradGuard guard;
+    of_small.states()[3].parameter.view(-1)[0].fill_(std::nanf(""));
+  }
+  save_checkpoint(folder.path(), small_header(2), of_small, 2);
+  expect_message(input_error_of([&] { load_network(folder.path()); }), {"step_00000002", "NaN"});
+  for (const auto& [key, value, words] :
+       std::vector<std::tuple<std::string, json, std::string>>{{"format", 2, "another format"},
+                                                               {"task", "cooking", "no model"},
+                                                               {"width", 1e9, "width"},
+                                                               {"width", "wide", "width"},
+                                                               {"size_px", -16, "size"},
+                                                               {"step", -1, "step"}}) {
+    json header = small_header(3);
+    header[key] = value;
+    write_tensors(folder / "x.safetensors", {{}, {{"humanmaterial", header.dump()}}});
+    expect_message(input_error_of([&] { load_network(folder / "x.safetensors"); }), {words});
+  }
+  write_tensors(folder / "x.safetensors", {{}, {}});
+  expect_message(input_error_of([&] { load_network(folder / "x.safetensors"); }), {"not of a humanmaterial"});
+  write_tensors(folder / "x.safetensors", {{}, {{"humanmaterial", "{"}}});
+  expect_message(input_error_of([&] { load_network(folder / "x.safetensors"); }), {"no JSON"});
+  expect_message(input_error_of([&] { load_network(folder / "none"); }), {"no such file"});
+}
+
+// Killed at any moment of writing, the newest checkpoint is a whole one.
+TEST(Checkpoint, KillDuringWritesNeverLosesTheLastGoodOne) {
+  TemporaryFolder folder;
+  const Network network = make_network(Task::kRss, 0.125);
+  AdamW optimiser(network.module(), {});
+  save_checkpoint(folder.path(), small_header(1), optimiser, 2);
+  int64_t step = 1;
+  for (int kill = 0; kill < 20; ++kill) {
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      for (int64_t next = step + 1;; ++next) save_checkpoint(folder.path(), small_header(next), optimiser, 2);
+    }
+    ::usleep(static_cast<useconds_t>(2000 + 3700 * kill));
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status));
+    const auto newest = newest_checkpoint(folder.path());
+    ASSERT_TRUE(newest);
+    const int64_t now = load_checkpoint(*newest, optimiser)["step"];
+    EXPECT_GE(now, step);
+    step = now;
+  }
+  EXPECT_GT(step, 20) << "the writer did get to write";
+  remove_torn_checkpoints(folder.path());
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+    EXPECT_EQ(entry.path().filename().string().rfind("step_", 0), 0u) << entry.path();
+}
+
+TEST(Training, LossFallsOnTwoBalls) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 2, 2, 32);
+  for (const Task task : kTasks) {
+    TrainOptions o = options_of(folder, name_of(task), 60);
+    o.task = task;
+    o.size_px = 32;
+    const TrainReport report = train(o);
+    EXPECT_EQ(report.skipped, 0);
+    EXPECT_LT(report.last_loss, 0.8 * report.first_loss) << name_of(task);
+    EXPECT_TRUE(std::filesystem::exists(report.weights));
+    const LoadedNetwork loaded = load_network(report.weights);
+    EXPECT_EQ(loaded.network.task, task);
+    EXPECT_EQ(loaded.header["trained_on"].size(), 1u);
+    EXPECT_EQ(loaded.header["held_out"].size(), 1u);
+  }
+  // ... and the finetuning model on the priors' estimates.
+  TrainOptions o = options_of(folder, "on_priors", 5);
+  o.task = Task::kFinetune;
+  o.size_px = 32;
+  o.guidance = Guidance::kPriors;
+  o.priors = {folder / "rss", folder / "geometry", folder / "albedo"};
+  EXPECT_EQ(train(o).skipped, 0);
+  o.priors[0] = folder / "albedo";
+  expect_message(input_error_of([&] { PriorSet{o.priors}; }), {"albedo", "second"});
+}
+
+TEST(Training, ResumedRunEqualsAnUninterruptedOneBitForBit) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 2, 3, 16);
+  train(options_of(folder, "whole", 20));
+  TrainOptions first = options_of(folder, "parts", 20);
+  first.checkpoint_every = 10;
+  // As if killed after step 13: the checkpoint of step 10 is the last, the log goes further.
+  train(first);
+  std::filesystem::remove(checkpoint_file(first.run, 20));
+  std::filesystem::remove(first.run / kWeightsName);
+  first.resume = true;
+  EXPECT_EQ(train(first).first_step, 10);
+  EXPECT_EQ(read_file(checkpoint_file(folder / "whole", 20)),
+            read_file(checkpoint_file(folder / "parts", 20)));
+  EXPECT_EQ(read_file(folder / "whole" / kWeightsName), read_file(folder / "parts" / kWeightsName));
+  // Each step is in the log once.
+  std::map<int64_t, int> seen;
+  for (const json& line : log_of(first.run))
+    if (line.contains("loss")) ++seen[line["step"]];
+  EXPECT_EQ(seen.size(), 20u);
+  for (const auto& [step, count] : seen) EXPECT_EQ(count, 1) << step;
+}
+
+TEST(Training, RefusesToMixRuns) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 1, 1, 16);
+  TrainOptions o = options_of(folder, "run", 3);
+  EXPECT_EQ(train(o).steps, 3) << "one sample is enough";
+  expect_message(input_error_of([&] { train(o); }), {"holds a run already", "--resume"});
+  o.resume = true;
+  o.learning_rate = 5e-3;
+  expect_message(input_error_of([&] { train(o); }), {"learning_rate", "0.001", "0.005"});
+  o = options_of(folder, "run", 3);
+  o.resume = true;
+  EXPECT_EQ(train(o).first_step, 3) << "a finished run stays as it is";
+}
+
+TEST(Training, RefusesBadOptionsInWords) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 1, 1, 16);
+  const auto message = [&](const std::function<void(TrainOptions&)>& change) {
+    TrainOptions o = options_of(folder, "run", 3);
+    change(o);
+    return input_error_of([&] { train(o); });
+  };
+  expect_message(message([](TrainOptions& o) { o.size_px = 20; }), {"--size 20", "multiple of 16"});
+  expect_message(message([](TrainOptions& o) { o.size_px = 32; }), {"view_000.exr", "--size 32"});
+  expect_message(message([](TrainOptions& o) { o.width = 0; }), {"--width"});
+  expect_message(message([](TrainOptions& o) { o.batch = 0; }), {"--batch"});
+  expect_message(message([](TrainOptions& o) { o.learning_rate = -1; }), {"--learning-rate"});
+  expect_message(message([](TrainOptions& o) { o.guidance = Guidance::kPriors; }), {"finetune only"});
+  expect_message(message([](TrainOptions& o) { o.data = o.data / "none"; }), {"no such folder"});
+}
+
+TEST(Training, NaNLossIsLeftOutAndNamed) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 1, 2, 16);
+  TrainOptions o = options_of(folder, "run", 30);
+  o.learning_rate = 1e30;  // throws the weights beyond float
+  o.warmup = 0;
+  expect_message(input_error_of([&] { train(o); }), {"view_00", "not finite", "--learning-rate"});
+  int skipped = 0;
+  for (const json& line : log_of(o.run))
+    if (line.value("event", "") == "skipped") {
+      ++skipped;
+      EXPECT_NE(line["samples"][0].get<std::string>().find("view_00"), std::string::npos);
+    }
+  EXPECT_EQ(skipped, 10);
+}
+
+TEST(LearningRate, RisesAndFalls) {
+  TrainOptions o;
+  o.learning_rate = 1;
+  o.warmup = 10;
+  EXPECT_DOUBLE_EQ(learning_rate_at(o, 5, 1000), 0.5);
+  EXPECT_DOUBLE_EQ(learning_rate_at(o, 10, 1000), 1);
+  EXPECT_DOUBLE_EQ(learning_rate_at(o, 999, 1000), 1);
+  o.cosine = true;
+  EXPECT_NEAR(learning_rate_at(o, 505, 1000), 0.5, 1e-3);
+  EXPECT_NEAR(learning_rate_at(o, 1000, 1000), 1e-6, 1e-9);
+}
+
+TEST(AdamW, EqualsLibtorchs) {
+  torch::manual_seed(1);
+  torch::nn::Linear mine(6, 4), theirs(6, 4);
+  {
+    torch::NoGradGuard guard;
+    theirs->weight.copy_(mine->weight);
+    theirs->bias.copy_(mine->bias);
+  }
+  AdamW optimiser(*mine, {0.0});
+  torch::optim::AdamW reference(theirs->parameters(), torch::optim::AdamWOptions(1e-2).weight_decay(0));
+  for (int64_t step = 1; step <= 20; ++step) {
+    const torch::Tensor x = torch::rand({3, 6});
+    optimiser.clear_gradients();
+    mine(x).pow(2).sum().backward();
+    optimiser.update(1e-2, step);
+    reference.zero_grad();
+    theirs(x).pow(2).sum().backward();
+    reference.step();
+  }
+  EXPECT_TRUE(torch::allclose(mine->weight, theirs->weight, 1e-5, 1e-6));
+  EXPECT_TRUE(torch::allclose(mine->bias, theirs->bias, 1e-5, 1e-6));
+}
+
+}  // namespace
+}  // namespace ohb
