@@ -122,6 +122,7 @@ ImageFileInfo info_of(const OIIO::ImageSpec& spec) {
   info.bits = spec.get_int_attribute("oiio:BitsPerSample", static_cast<int>(spec.format.size()) * 8);
   info.is_float = spec.format.is_floating_point();
   info.has_alpha = spec.alpha_channel >= 0 && spec.alpha_channel == spec.nchannels - 1;
+  info.orientation = spec.get_int_attribute("Orientation", 1);
   return info;
 }
 

@@ -31,6 +31,7 @@ struct ImageFileInfo {
   int bits = 0;            // per channel: 8, 16, 32
   bool is_float = false;   // half or float
   bool has_alpha = false;  // the last channel is alpha
+  int orientation = 1;     // EXIF: 1 is upright; the pixels are as stored, not turned
 };
 
 /// Any PNG, JPEG, TIFF, EXR or HDR, values as stored: integers over their maximum (encoded values stay

@@ -1,0 +1,74 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "learner/cli/commands.h"
+#include "learner/estimate.h"
+
+namespace ohb::learner {
+namespace {
+
+struct Arguments {
+  EstimateOptions estimate;
+  std::string photo, mask, output;
+  std::vector<std::string> weights;
+};
+
+int run_estimate(Arguments arguments, const CommonOptions& common) {
+  EstimateOptions& o = arguments.estimate;
+  o.photo = arguments.photo;
+  if (!arguments.mask.empty()) o.mask = arguments.mask;
+  o.weights.assign(arguments.weights.begin(), arguments.weights.end());
+  o.output = arguments.output;
+  use_threads(common.threads);
+  const EstimateReport report = estimate(o);
+  if (common.json) {
+    const nlohmann::json json = {
+        {"maps", arguments.output},
+        {"size_px", report.size_px},
+        {"finetuned", report.finetuned},
+        {"photo_crop_px",
+         {{"left", report.crop.left_px}, {"top", report.crop.top_px}, {"side", report.crop.side_px}}},
+        {"seconds", report.seconds}};
+    std::printf("%s\n", json.dump(2).c_str());
+    return 0;
+  }
+  std::printf("%s: six maps of %d x %d from a square of %.0f px, %s, %.2f s\n", arguments.output.c_str(),
+              report.size_px, report.size_px, report.crop.side_px,
+              report.finetuned ? "finetuned" : "priors only", report.seconds);
+  return 0;
+}
+
+}  // namespace
+
+void add_estimate_command(CLI::App& app, Commands& commands) {
+  CLI::App* command = app.add_subcommand("estimate", "The six maps of the person in a photograph");
+  auto arguments = std::make_shared<Arguments>();
+  command->add_option("PHOTO", arguments->photo, "PNG, JPEG, TIFF, EXR or HDR")->required();
+  command->add_option("--mask", arguments->mask,
+                      "picture that is white on the person (default: the photo's alpha)");
+  command
+      ->add_option("--weights", arguments->weights,
+                   "runs or weights: geometry, albedo, rss, and finetune or not")
+      ->required();
+  command->add_option("--size", arguments->estimate.size_px,
+                      "pixels of a side of the maps (default: as trained)");
+  command
+      ->add_option("--height", arguments->estimate.person_height_cm,
+                   "height in cm of what the mask covers; sets the scale")
+      ->capture_default_str();
+  command->add_option("-o,--output", arguments->output, "folder for the maps")->required();
+  add_common_options(*command, commands.common);
+  command->footer(
+      "Examples:\n"
+      "  humanmaterial estimate cutout.png --weights runs/geometry runs/albedo runs/rss runs/finetune -o "
+      "maps\n"
+      "  humanmaterial estimate photo.jpg --mask mask.png --weights weights/*.safetensors --height 182 -o "
+      "maps");
+  command->callback([arguments, &commands] {
+    commands.run = [arguments, &commands] { return run_estimate(*arguments, commands.common); };
+  });
+}
+
+}  // namespace ohb::learner

@@ -1,0 +1,67 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "dataset/model/atomic_file.h"
+#include "learner/blas.h"
+#include "learner/cli/commands.h"
+#include "learner/evaluate.h"
+
+namespace ohb::learner {
+namespace {
+
+struct Arguments {
+  EvaluateOptions evaluate;
+  std::vector<std::string> weights;
+  std::string data, output;
+};
+
+int run_evaluate(Arguments arguments, const CommonOptions& common) {
+  EvaluateOptions& o = arguments.evaluate;
+  o.weights.assign(arguments.weights.begin(), arguments.weights.end());
+  o.data = arguments.data;
+  use_threads(common.threads);
+  warn_of_slow_blas();
+  const EvaluationReport report = evaluate(o);
+  const std::string json = json_of(report).dump(2) + "\n", table = table_of(report);
+  if (!arguments.output.empty()) {
+    make_folders(arguments.output);
+    write_file_atomically(std::filesystem::path(arguments.output) / "evaluation.json", json);
+    write_file_atomically(std::filesystem::path(arguments.output) / "evaluation.md", table);
+  }
+  if (common.json) {
+    std::printf("%s", json.c_str());
+    return 0;
+  }
+  std::printf("%s", table.c_str());
+  std::printf("%zu pictures of %zu people at %d x %d; %.3f s a picture\n", report.pictures,
+              report.people.size(), report.size_px, report.size_px, report.seconds_a_picture);
+  return 0;
+}
+
+}  // namespace
+
+void add_evaluate_command(CLI::App& app, Commands& commands) {
+  CLI::App* command =
+      app.add_subcommand("evaluate", "PSNR of estimated maps on people that training held out");
+  auto arguments = std::make_shared<Arguments>();
+  command
+      ->add_option("RUN", arguments->weights, "runs or weights: geometry, albedo, rss, and finetune or not")
+      ->required();
+  command->add_option("--data", arguments->data, "folder with a folder of views a person")->required();
+  command->add_option("--person", arguments->evaluate.people,
+                      "person to evaluate; may be repeated (default: those held out)");
+  command->add_option("--size", arguments->evaluate.size_px, "pixels of a side (default: as trained)");
+  command->add_option("-o,--output", arguments->output, "folder for evaluation.json and evaluation.md");
+  add_common_options(*command, commands.common);
+  command->footer(
+      "Examples:\n"
+      "  humanmaterial evaluate runs/geometry runs/albedo runs/rss --data dataset -o report\n"
+      "  humanmaterial evaluate runs/geometry runs/albedo runs/rss runs/finetune --data dataset --person ada "
+      "--json");
+  command->callback([arguments, &commands] {
+    commands.run = [arguments, &commands] { return run_evaluate(*arguments, commands.common); };
+  });
+}
+
+}  // namespace ohb::learner

@@ -1,0 +1,151 @@
+#include "learner/estimate.h"
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/camera.h"
+#include "dataset/model/error.h"
+
+namespace ohb {
+namespace fs = std::filesystem;
+namespace {
+
+using torch::Tensor;
+
+constexpr int kPngBits = 16;
+constexpr double kHalfWidth = 0.5 * kSensorMm / kLensMm;  // tangent of half the field of view
+
+/// (1, C, H, W) to interleaved pixels.
+Image image_of(const Tensor& map) {
+  const Tensor pixels = map[0].permute({1, 2, 0}).contiguous().to(torch::kFloat);
+  Image image(static_cast<int>(pixels.size(1)), static_cast<int>(pixels.size(0)),
+              static_cast<int>(pixels.size(2)));
+  std::copy_n(pixels.data_ptr<float>(), image.values.size(), image.values.begin());
+  return image;
+}
+
+/// The maps with the background at fixed values.
+MaterialMaps on_black(const MaterialMaps& maps, const Tensor& mask) {
+  const Tensor inside = mask > 0;
+  const auto keep = [&](const Tensor& map) { return torch::where(inside, map, torch::zeros_like(map)); };
+  Tensor towards = torch::zeros_like(maps.normal);
+  towards.select(1, 2).fill_(1);
+  return {torch::where(inside, maps.normal, towards),
+          keep(maps.diffuse),
+          keep(maps.roughness),
+          keep(maps.specular),
+          keep(maps.sss),
+          keep(maps.displacement)};
+}
+
+/// The frame in cm, from the height that the mask covers.
+struct Frame {
+  double half_cm, center_y_cm;
+};
+Frame frame_of(const Image& mask, const Crop& crop, double height_cm) {
+  int top = mask.height_px, bottom = -1;
+  for (int y = 0; y < mask.height_px; ++y)
+    for (int x = 0; x < mask.width_px; ++x)
+      if (*mask.pixel(x, y) > 0.5f) top = std::min(top, y), bottom = y;
+  const double cm_per_px = height_cm / (bottom - top + 1);
+  return {0.5 * crop.side_px * cm_per_px, 0.5 * height_cm};
+}
+
+void write_pngs(const fs::path& folder, const MaterialMaps& maps, const Foreground& foreground) {
+  const auto write = [&](const char* name, const Tensor& map) {
+    write_png(folder / (std::string(name) + ".png"), image_of(map), kPngBits);
+  };
+  write("mask", foreground.mask);
+  write("normal", (maps.normal + 1) / 2);
+  write("diffuse", srgb_of(maps.diffuse));
+  write("roughness", maps.roughness);
+  write("specular", maps.specular);
+  write("sss", maps.sss);
+  write("displacement", 0.5 + maps.displacement / 2);
+  write("input", (foreground.input.slice(1, 0, 3) + 1) / 2);
+}
+
+void write_maps_exr(const fs::path& file, const MaterialMaps& maps, const Tensor& mask, const Frame& frame) {
+  const auto part = [](const char* name, std::vector<std::string> channels, const Tensor& map) {
+    return ExrPart{name, std::move(channels), ExrPart::Type::kFloat, image_of(map)};
+  };
+  write_exr(file,
+            {part("mask", {"A"}, mask), part("normal", {"X", "Y", "Z"}, maps.normal),
+             part("diffuse", {"R", "G", "B"}, maps.diffuse), part("roughness", {"Y"}, maps.roughness),
+             part("specular", {"Y"}, maps.specular), part("sss", {"Y"}, maps.sss),
+             part("displacement", {"Y"}, maps.displacement * frame.half_cm)},
+            {{"ohb:displacementRange_cm", std::to_string(frame.half_cm)}});
+}
+
+nlohmann::json maps_json(const EstimateOptions& options, const EstimateReport& report, const Frame& frame) {
+  nlohmann::json maps;
+  for (const auto& [name, encoding] : {std::pair{"mask", "coverage"},
+                                       {"normal", "offset"},
+                                       {"diffuse", "srgb"},
+                                       {"roughness", "value"},
+                                       {"specular", "srgb_f0"},
+                                       {"sss", "value"},
+                                       {"displacement", "offset"}})
+    maps[name] = {{"file", std::string(name) + ".png"}, {"encoding", encoding}};
+  maps["displacement"]["r_cm"] = frame.half_cm;
+  return {
+      {"format", "humanmaterial.maps"},
+      {"version", 1},
+      {"unit", "cm"},
+      {"size_px", {report.size_px, report.size_px}},
+      {"camera",
+       {{"type", "perspective"},
+        {"distance_cm", frame.half_cm / kHalfWidth},
+        {"half_width", kHalfWidth},
+        {"center_y_cm", frame.center_y_cm}}},
+      {"maps", maps},
+      {"conventions",
+       {{"axes", "right-handed, +X right, +Y up, +Z to the viewer, soles at y = 0"},
+        {"normal", "camera space: +X right, +Y up, +Z to the viewer; (n + 1) / 2"},
+        {"diffuse", "Rec. 709, sRGB-encoded"},
+        {"roughness", "perceptual; GGX alpha = roughness squared"},
+        {"specular", "F0 = sRGB_to_linear(S)"},
+        {"sss", "Principled subsurface; scattering radius = sss x (1.0, 0.2, 0.1) cm"},
+        {"displacement", "0.5 + d / (2 r_cm), d in cm from the plane z = 0, positive towards the camera"},
+        {"mask", "share of the pixel that is covered; the other maps are averages over the covered part"},
+        {"exr",
+         "maps.exr holds the same maps as float parts: normal signed, diffuse linear, displacement in cm"}}},
+      {"source",
+       {{"program", "humanmaterial " OHB_VERSION},
+        {"photo", options.photo.filename().string()},
+        {"photo_crop_px",
+         {{"left", report.crop.left_px}, {"top", report.crop.top_px}, {"side", report.crop.side_px}}},
+        {"assumed_person_height_cm", options.person_height_cm},
+        {"finetuned", report.finetuned}}}};
+}
+
+}  // namespace
+
+EstimateReport estimate(const EstimateOptions& options) {
+  if (!(options.person_height_cm > 0 && options.person_height_cm < 1e4))
+    throw InputError("", "--height", "is not a length above 0 cm", "give the person's height");
+  const Photo photo = read_photo(options.photo);
+  const Image mask = mask_of(photo, options.photo, options.mask);
+  const Estimator estimator(options.weights);
+  EstimateReport report;
+  report.size_px = options.size_px > 0 ? options.size_px : estimator.header().at("size_px").get<int>();
+  if (report.size_px % kResolutionStep != 0 || report.size_px > 4096)
+    throw InputError("", "--size " + std::to_string(report.size_px), "is no multiple of 16 up to 4096",
+                     "give another");
+  report.crop = crop_around(mask);
+  report.finetuned = estimator.has_finetune();
+  const Foreground foreground = foreground_of(photo, mask, report.crop, report.size_px);
+  AtomicFolder folder(options.output);
+  const auto start = std::chrono::steady_clock::now();
+  const MaterialMaps maps = on_black(estimator.estimate(foreground.input), foreground.mask);
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const Frame frame = frame_of(mask, report.crop, options.person_height_cm);
+  write_pngs(folder.path(), maps, foreground);
+  write_maps_exr(folder.path() / "maps.exr", maps, foreground.mask, frame);
+  write_file_atomically(folder.path() / "maps.json", maps_json(options, report, frame).dump(2) + "\n");
+  folder.commit();
+  return report;
+}
+
+}  // namespace ohb

@@ -1,0 +1,35 @@
+// From a photograph to a folder of maps (docs/maps_json.md).
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "learner/estimator.h"
+#include "learner/photo.h"
+
+namespace ohb {
+
+struct EstimateOptions {
+  std::filesystem::path photo;
+  std::optional<std::filesystem::path> mask;
+  std::vector<std::filesystem::path> weights;  // files or runs: three priors, finetune or not
+  std::filesystem::path output;                // folder, written whole or not at all
+  int size_px = 0;                             // 0: as trained
+  double person_height_cm = 170;  // of what the mask covers from top to bottom: nothing else gives the scale
+};
+
+struct EstimateReport {
+  Crop crop;
+  int size_px = 0;
+  bool finetuned = false;
+  double seconds = 0;  // of the networks
+};
+
+/// Writes seven 16-bit PNG, the same maps in float as maps.exr (parts named as in a sample, displacement in
+/// cm, normals signed, albedo linear), input.png as the networks saw it, and maps.json. Where the mask is 0
+/// all maps are 0, normals (0, 0, 1).
+/// Throws InputError: photo, mask or weights as their readers say; an output that this program did not write.
+EstimateReport estimate(const EstimateOptions& options);
+
+}  // namespace ohb

@@ -1,0 +1,228 @@
+#include "learner/evaluate.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include "dataset/model/error.h"
+#include "dataset/model/interrupt.h"
+#include "dataset/model/progress.h"
+#include "learner/data.h"
+#include "learner/estimator.h"
+
+namespace ohb {
+namespace fs = std::filesystem;
+namespace {
+
+using torch::Tensor;
+
+constexpr size_t kViewsForConstant = 64;
+enum Row { kFinetuned, kPriors, kConstant, kInputAsAlbedo, kEightBit, kRowCount };
+constexpr std::array<const char*, kRowCount> kRowNames = {"finetuned", "priors", "constant",
+                                                          "input as albedo", "8-bit truth"};
+
+Scores no_scores() {
+  Scores scores;
+  scores.fill({std::nan(""), std::nan("")});
+  return scores;
+}
+
+std::vector<std::string> people_of(const EvaluateOptions& options, const Dataset& dataset,
+                                   const nlohmann::json& header) {
+  std::set<std::string> there;
+  for (const Person& person : dataset.people) there.insert(person.name);
+  std::vector<std::string> wanted = options.people, found;
+  if (wanted.empty() && header.contains("held_out"))
+    wanted = header["held_out"].get<std::vector<std::string>>();
+  for (const std::string& name : wanted)
+    if (there.count(name))
+      found.push_back(name);
+    else if (!options.people.empty())
+      throw InputError(options.data.string(), "--person " + name, "nobody of that name is in the dataset",
+                       "names are the samples' ohb:human");
+  if (found.empty()) {
+    spdlog::warn("nobody whom training held out is in {}: everybody there is evaluated",
+                 options.data.string());
+    found.assign(there.begin(), there.end());
+  }
+  return found;
+}
+
+/// Mean of the encoded maps over the foreground of (some of) the views: (1, 10, 1, 1).
+Tensor mean_maps(const std::vector<fs::path>& views, int size_px) {
+  Tensor sum = torch::zeros({1, 10, 1, 1}, torch::kDouble);
+  double weight = 0;
+  const size_t stride = std::max<size_t>(1, views.size() / kViewsForConstant);
+  for (size_t i = 0; i < views.size(); i += stride) {
+    throw_if_interrupted();
+    const Example e = read_example(views[i], 0, size_px);
+    sum += (encoded_maps(Task::kFinetune, e.truth) * e.mask).sum({2, 3}, true);
+    weight += e.mask.sum().item<double>();
+  }
+  return (sum / weight).to(torch::kFloat);
+}
+
+MaterialMaps constant_maps(const Tensor& mean, const MaterialMaps& truth) {
+  return maps_of(Task::kFinetune,
+                 mean.expand({1, 10, truth.normal.size(2), truth.normal.size(3)}).contiguous(), {});
+}
+
+/// The foreground's colour as it is, without the mask in it.
+Tensor input_colour(const Example& e) {
+  return ((e.input.slice(1, 0, 3) + 1) / 2 / e.mask.clamp_min(1e-3)).clamp(0, 1);
+}
+
+struct Sums {
+  Scores sum{};
+  size_t count = 0;
+  void add(const Scores& scores) {
+    for (size_t i = 0; i < scores.size(); ++i)
+      sum[i].masked += scores[i].masked, sum[i].full += scores[i].full;
+    ++count;
+  }
+  Scores mean() const {
+    Scores scores = sum;
+    for (Psnr& p : scores) p.masked /= static_cast<double>(count), p.full /= static_cast<double>(count);
+    return scores;
+  }
+};
+
+class Evaluation {
+ public:
+  Evaluation(const Estimator& estimator, Tensor constant)
+      : estimator_(estimator), constant_(std::move(constant)) {}
+
+  void add(const Example& e) {
+    const auto start = std::chrono::steady_clock::now();
+    const MaterialMaps priors = estimator_.from_priors(e.input);
+    const MaterialMaps refined = estimator_.has_finetune() ? estimator_.estimate(e.input) : priors;
+    seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    ++pictures_;
+    const auto put = [&](Row row, const Scores& scores) { sums_[e.person][row].add(scores); };
+    if (estimator_.has_finetune()) put(kFinetuned, scores_of(refined, e.truth, e.mask));
+    put(kPriors, scores_of(priors, e.truth, e.mask));
+    put(kConstant, scores_of(constant_maps(constant_, e.truth), e.truth, e.mask));
+    put(kEightBit, scores_of(eight_bit(e.truth), e.truth, e.mask));
+    Scores albedo = no_scores();
+    albedo[1] = psnr(input_colour(e), srgb_of(e.truth.diffuse), e.mask);
+    put(kInputAsAlbedo, albedo);
+  }
+
+  EvaluationReport report() const {
+    EvaluationReport report;
+    report.pictures = pictures_;
+    report.seconds_a_picture = seconds_ / static_cast<double>(std::max<size_t>(1, pictures_));
+    for (int row = 0; row < kRowCount; ++row) {
+      EvaluationRow r{kRowNames[row], {}, {}, {}};
+      Sums over_people;
+      for (const auto& [person, rows] : sums_) {
+        const auto found = rows.find(static_cast<Row>(row));
+        if (found == rows.end()) continue;
+        r.people[person] = found->second.mean();
+        over_people.add(r.people[person]);
+      }
+      if (over_people.count == 0) continue;
+      r.mean = over_people.mean();
+      for (size_t c = 0; c < kColumns.size(); ++c) {
+        double squares = 0;
+        for (const auto& [person, scores] : r.people)
+          squares += std::pow(scores[c].masked - r.mean[c].masked, 2);
+        r.deviation_dB[c] = std::sqrt(squares / static_cast<double>(r.people.size()));
+      }
+      report.rows.push_back(r);
+    }
+    return report;
+  }
+
+ private:
+  const Estimator& estimator_;
+  Tensor constant_;
+  std::map<std::string, std::map<Row, Sums>> sums_;
+  double seconds_ = 0;
+  size_t pictures_ = 0;
+};
+
+double material_mean(const Scores& scores, double Psnr::*value) {
+  double sum = 0;
+  for (size_t i = 0; i < kMaterialColumns; ++i) sum += scores[i].*value;
+  return sum / static_cast<double>(kMaterialColumns);
+}
+
+std::string cell(double value) {
+  return std::isfinite(value) ? fmt::format(" {:6.2f} |", value) : "      - |";
+}
+
+std::string table_of(const EvaluationReport& report, double Psnr::*value, const std::string& title) {
+  std::string text = title + "\n\n| row             |";
+  for (const char* column : kColumns) text += fmt::format(" {:>6} |", column);
+  text += " maps mean |\n|-----------------|";
+  for (size_t i = 0; i < kColumns.size(); ++i) text += "-------:|";
+  text += "----------:|\n";
+  for (const EvaluationRow& row : report.rows) {
+    text += fmt::format("| {:<15} |", row.name);
+    for (const Psnr& score : row.mean) text += cell(score.*value);
+    text += "   " + cell(material_mean(row.mean, value)) + "\n";
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+EvaluationReport evaluate(const EvaluateOptions& options) {
+  const Estimator estimator(options.weights);
+  const Dataset dataset = read_dataset(options.data);
+  const std::vector<std::string> people = people_of(options, dataset, estimator.header());
+  const int size_px = options.size_px > 0 ? options.size_px : estimator.header().at("size_px").get<int>();
+  if (size_px % kResolutionStep != 0)
+    throw InputError("", "--size " + std::to_string(size_px), "is no multiple of 16", "give another");
+  const std::vector<fs::path> views = views_of(dataset, people);
+  const auto trained_on = estimator.header().value("trained_on", std::vector<std::string>{});
+  const std::vector<fs::path> training = views_of(dataset, trained_on);
+  Evaluation evaluation(estimator, mean_maps(training.empty() ? views : training, size_px));
+  Progress progress("evaluating", views.size(), options.quiet);
+  for (const fs::path& view : views) {
+    throw_if_interrupted();
+    const Sample sample = read_sample(view);
+    for (size_t light = 0; light < sample.lights.size(); ++light)
+      evaluation.add(example_of(sample, view, light, size_px));
+    progress.add();
+  }
+  EvaluationReport report = evaluation.report();
+  report.people = people;
+  report.size_px = size_px;
+  return report;
+}
+
+std::string table_of(const EvaluationReport& report) {
+  return table_of(report, &Psnr::masked,
+                  "PSNR over the foreground, dB: mean over pictures, then over people") +
+         table_of(report, &Psnr::full, "PSNR over the whole frame, dB");
+}
+
+nlohmann::json json_of(const EvaluationReport& report) {
+  const auto number = [](double v) { return std::isfinite(v) ? nlohmann::json(v) : nlohmann::json(nullptr); };
+  const auto scores_json = [&](const Scores& scores) {
+    nlohmann::json json;
+    for (size_t i = 0; i < scores.size(); ++i)
+      json[kColumns[i]] = {{"masked", number(scores[i].masked)}, {"full", number(scores[i].full)}};
+    json["maps_mean"] = {{"masked", number(material_mean(scores, &Psnr::masked))},
+                         {"full", number(material_mean(scores, &Psnr::full))}};
+    return json;
+  };
+  nlohmann::json json = {{"people", report.people},
+                         {"pictures", report.pictures},
+                         {"size_px", report.size_px},
+                         {"seconds_a_picture", report.seconds_a_picture}};
+  for (const EvaluationRow& row : report.rows) {
+    nlohmann::json r = {{"name", row.name}, {"mean", scores_json(row.mean)}};
+    for (size_t i = 0; i < kColumns.size(); ++i) r["deviation_dB"][kColumns[i]] = number(row.deviation_dB[i]);
+    for (const auto& [person, scores] : row.people) r["people"][person] = scores_json(scores);
+    json["rows"].push_back(r);
+  }
+  return json;
+}
+
+}  // namespace ohb

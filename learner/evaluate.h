@@ -1,0 +1,51 @@
+// The paper's tables on people that the networks have not seen, beside rows that need no network.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "learner/metrics.h"
+
+namespace ohb {
+
+struct EvaluateOptions {
+  std::vector<std::filesystem::path> weights;  // files or runs: three priors, finetune or not
+  std::filesystem::path data;
+  std::vector<std::string> people;  // empty: those that the geometry prior held out
+  int size_px = 0;                  // 0: as trained
+  bool quiet = false;
+};
+
+struct EvaluationRow {
+  std::string name;
+  std::map<std::string, Scores>
+      people;   // mean over the pictures of each person; NaN where a row has no value
+  Scores mean;  // mean over people
+  std::array<double, kColumns.size()> deviation_dB;  // of the masked values between people
+};
+
+struct EvaluationReport {
+  std::vector<EvaluationRow> rows;  // finetuned, priors, constant, input as albedo, 8-bit round trip
+  std::vector<std::string> people;
+  size_t pictures = 0;
+  int size_px = 0;
+  double seconds_a_picture = 0;  // of the networks
+};
+
+/// Every view of the people under every light. PSNR is taken of each picture and averaged (not of pooled
+/// errors, which would give other numbers).
+///
+/// Reference rows: "constant" puts the mean of the training people's foreground everywhere (of the evaluated
+/// people's where no training view is in the data); "input as albedo" takes the input for the albedo, "8-bit
+/// truth" is the truth after 8-bit storage.
+/// Throws InputError: weights or data as load_network and read_example; nobody of these names.
+EvaluationReport evaluate(const EvaluateOptions& options);
+
+/// Two tables, masked and full frame, one row a line: for the terminal and for a Markdown file.
+std::string table_of(const EvaluationReport& report);
+nlohmann::json json_of(const EvaluationReport& report);
+
+}  // namespace ohb

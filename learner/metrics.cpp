@@ -1,0 +1,53 @@
+#include "learner/metrics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "learner/oracle.h"
+#include "learner/task.h"
+
+namespace ohb {
+namespace {
+
+using torch::Tensor;
+
+constexpr double kMost_dB = 100;
+
+double decibels(double mse) {
+  return std::isfinite(mse) ? std::min(kMost_dB, -10 * std::log10(std::max(mse, 1e-12))) : std::nan("");
+}
+
+}  // namespace
+
+Psnr psnr(const Tensor& a, const Tensor& b, const Tensor& mask) {
+  const double channels = static_cast<double>(a.size(1));
+  const Tensor squared = (a - b).to(torch::kDouble).square();
+  const Tensor inside = (mask > 0.5).to(torch::kDouble);
+  const Tensor whole = ((a - b) * mask).to(torch::kDouble).square();
+  Psnr result;
+  result.masked =
+      decibels((squared * inside).sum().item<double>() / (channels * inside.sum().item<double>()));
+  result.full = decibels(whole.mean().item<double>());
+  return result;
+}
+
+std::array<Tensor, kColumns.size()> columns_of(const MaterialMaps& maps) {
+  const Tensor relit = render_maps(maps, {evaluation_light()}).squeeze(1);
+  return {(maps.normal + 1) / 2,       srgb_of(maps.diffuse), maps.roughness, maps.specular, maps.sss,
+          0.5 + maps.displacement / 2, srgb_of(relit)};
+}
+
+Scores scores_of(const MaterialMaps& estimate, const MaterialMaps& truth, const Tensor& mask) {
+  torch::NoGradGuard no_gradients;
+  const auto mine = columns_of(estimate), wanted = columns_of(truth);
+  Scores scores;
+  for (size_t i = 0; i < scores.size(); ++i) scores[i] = psnr(mine[i], wanted[i], mask);
+  return scores;
+}
+
+MaterialMaps eight_bit(const MaterialMaps& maps) {
+  const Tensor codes = (encoded_maps(Task::kFinetune, maps).clamp(0, 1) * 255).round() / 255;
+  return maps_of(Task::kFinetune, codes, maps);
+}
+
+}  // namespace ohb

@@ -1,0 +1,179 @@
+// Photographs and masks of every kind.
+#include "learner/photo.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include "dataset/model/colour.h"
+#include "tests/support/test_files.h"
+
+namespace ohb {
+namespace {
+
+/// A grey picture with a person-like bright block in columns 20..39 and rows 10..49 of 60 x 64.
+Image block_picture(int channels) {
+  Image image(60, 64, channels);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 60; ++x)
+      for (int c = 0; c < channels; ++c) {
+        const bool inside = x >= 20 && x < 40 && y >= 10 && y < 50;
+        image.pixel(x, y)[c] = channels % 2 == 0 && c == channels - 1 ? inside : inside ? 0.8f : 0.3f;
+      }
+  return image;
+}
+
+Image block_mask() {
+  Image image(60, 64, 1);
+  for (int y = 10; y < 50; ++y)
+    for (int x = 20; x < 40; ++x) image.pixel(x, y)[0] = 1;
+  return image;
+}
+
+void write_with(const std::filesystem::path& file, const Image& image, OIIO::TypeDesc type,
+                const std::function<void(OIIO::ImageSpec&)>& change) {
+  auto output = OIIO::ImageOutput::create(file.string());
+  ASSERT_TRUE(output);
+  OIIO::ImageSpec spec(image.width_px, image.height_px, image.channels, type);
+  change(spec);
+  ASSERT_TRUE(output->open(file.string(), spec)) << output->geterror();
+  ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, image.values.data()));
+  output->close();
+}
+
+TEST(Photo, UprightTurnsAllEightOrientations) {
+  // Upright: 1 2 3 / 4 5 6. Stored as each orientation stores it.
+  const std::vector<std::pair<int, std::vector<float>>> two_rows = {
+      {1, {1, 2, 3, 4, 5, 6}}, {2, {3, 2, 1, 6, 5, 4}}, {3, {6, 5, 4, 3, 2, 1}}, {4, {4, 5, 6, 1, 2, 3}}};
+  const std::vector<std::pair<int, std::vector<float>>> three_rows = {
+      {5, {1, 4, 2, 5, 3, 6}}, {6, {3, 6, 2, 5, 1, 4}}, {7, {6, 3, 5, 2, 4, 1}}, {8, {4, 1, 5, 2, 6, 3}}};
+  const std::vector<float> wanted = {1, 2, 3, 4, 5, 6};
+  for (const auto& [orientation, values] : two_rows) {
+    Image stored(3, 2, 1);
+    stored.values = values;
+    EXPECT_EQ(upright(stored, orientation).values, wanted) << orientation;
+  }
+  for (const auto& [orientation, values] : three_rows) {
+    Image stored(2, 3, 1);
+    stored.values = values;
+    const Image turned = upright(stored, orientation);
+    EXPECT_EQ(turned.width_px, 3) << orientation;
+    EXPECT_EQ(turned.values, wanted) << orientation;
+  }
+}
+
+TEST(Photo, ExifOrientationOfAFileIsFollowed) {
+  TemporaryFolder folder;
+  write_with(folder / "turned.tif", block_picture(3), OIIO::TypeDesc::UINT8,
+             [](OIIO::ImageSpec& spec) { spec.attribute("Orientation", 6); });
+  const Photo photo = read_photo(folder / "turned.tif");
+  EXPECT_EQ(photo.linear.width_px, 64);
+  EXPECT_EQ(photo.linear.height_px, 60);
+  // Stored (20, 10) comes to x = 63 - 10, y = 20.
+  EXPECT_NEAR(photo.linear.pixel(53, 20)[0], srgb_to_linear(0.8f), 3e-3);
+}
+
+TEST(Photo, GreyColourAlphaAndSixteenBitsGiveTheSame) {
+  TemporaryFolder folder;
+  for (const int channels : {1, 3, 4})
+    for (const int bits : {8, 16}) {
+      SCOPED_TRACE(std::to_string(channels) + " channels, " + std::to_string(bits) + " bits");
+      write_png(folder / "p.png", block_picture(channels), bits);
+      const Photo photo = read_photo(folder / "p.png");
+      EXPECT_NEAR(photo.linear.pixel(25, 25)[2], srgb_to_linear(0.8f), 3e-3);
+      EXPECT_NEAR(photo.linear.pixel(0, 0)[1], srgb_to_linear(0.3f), 3e-3);
+      EXPECT_EQ(photo.alpha.values.empty(), channels != 4);
+    }
+}
+
+TEST(Photo, CmykIsConvertedOrRefusedInWords) {
+  TemporaryFolder folder;
+  Image cmyk(32, 32, 4);
+  write_with(folder / "c.tif", cmyk, OIIO::TypeDesc::UINT8, [](OIIO::ImageSpec& spec) {
+    spec.channelnames = {"C", "M", "Y", "K"};
+    spec.attribute("tiff:PhotometricInterpretation", 5);
+    spec.attribute("tiff:ColorSpace", "CMYK");
+    spec.alpha_channel = -1;
+  });
+  try {
+    const Photo photo = read_photo(folder / "c.tif");  // no ink is white
+    EXPECT_NEAR(photo.linear.pixel(5, 5)[0], 1, 0.02);
+  } catch (const InputError& error) {
+    expect_message(error.what(), {"c.tif", "RGB"});
+  }
+}
+
+TEST(Photo, FloatsAreLinear) {
+  TemporaryFolder folder;
+  write_exr(folder / "p.exr", {{"rgb", {"R", "G", "B"}, ExrPart::Type::kFloat, block_picture(3)}}, {});
+  EXPECT_FLOAT_EQ(read_photo(folder / "p.exr").linear.pixel(25, 25)[0], 0.8f);
+}
+
+TEST(Photo, RefusesWhatIsWrongInWords) {
+  TemporaryFolder folder;
+  write_png(folder / "tiny.png", Image(1, 1, 3));
+  expect_message(input_error_of([&] { read_photo(folder / "tiny.png"); }), {"tiny.png", "1 x 1"});
+  expect_message(input_error_of([&] { read_photo(folder / "none.png"); }), {"none.png", "no such file"});
+  Image bad = block_picture(3);
+  bad.pixel(7, 9)[1] = std::nanf("");
+  write_exr(folder / "nan.exr", {{"rgb", {"R", "G", "B"}, ExrPart::Type::kFloat, bad}}, {});
+  expect_message(input_error_of([&] { read_photo(folder / "nan.exr"); }), {"nan.exr", "(7, 9)", "NaN"});
+}
+
+TEST(Mask, ComesFromAlphaOrFileAndMustCoverSomethingButNotAll) {
+  TemporaryFolder folder;
+  write_png(folder / "rgba.png", block_picture(4));
+  write_png(folder / "rgb.png", block_picture(3));
+  write_png(folder / "mask.png", block_mask());
+  write_png(folder / "small.png", Image(30, 32, 1));
+  write_png(folder / "black.png", Image(60, 64, 1));
+  Image white(60, 64, 1);
+  std::fill(white.values.begin(), white.values.end(), 1.0f);
+  write_png(folder / "white.png", white);
+  const Photo cut = read_photo(folder / "rgba.png"), whole = read_photo(folder / "rgb.png");
+  EXPECT_EQ(mask_of(cut, "rgba.png", {}).values, block_mask().values);
+  EXPECT_EQ(mask_of(whole, "rgb.png", folder / "mask.png").values, block_mask().values);
+  expect_message(input_error_of([&] { mask_of(whole, "rgb.png", {}); }), {"rgb.png", "no alpha", "--mask"});
+  expect_message(input_error_of([&] { mask_of(whole, "rgb.png", folder / "small.png"); }),
+                 {"30 x 32", "60 x 64"});
+  expect_message(input_error_of([&] { mask_of(whole, "rgb.png", folder / "black.png"); }),
+                 {"covers nothing"});
+  expect_message(input_error_of([&] { mask_of(whole, "rgb.png", folder / "white.png"); }),
+                 {"covers everything"});
+}
+
+TEST(Crop, IsASquareAroundTheSubjectAndMayLeaveThePhoto) {
+  const Crop crop = crop_around(block_mask());
+  EXPECT_DOUBLE_EQ(crop.side_px, 44);
+  EXPECT_DOUBLE_EQ(crop.left_px + crop.side_px / 2, 30);
+  EXPECT_DOUBLE_EQ(crop.top_px + crop.side_px / 2, 30);
+  Image edge(60, 64, 1);
+  for (int y = 0; y < 64; ++y) edge.pixel(0, y)[0] = 1;
+  EXPECT_LT(crop_around(edge).left_px, 0);
+}
+
+TEST(Foreground, KeepsColourAndAreaAtAnySize) {
+  Photo photo;
+  photo.linear = Image(60, 64, 3);
+  for (float& v : photo.linear.values) v = 0.5f;
+  const Image mask = block_mask();
+  for (const int size : {16, 32, 176}) {
+    const Foreground f = foreground_of(photo, mask, crop_around(mask), size);
+    // The covered share of the crop: 20 x 40 of 44 x 44.
+    EXPECT_NEAR(f.mask.mean().item<double>(), 800.0 / (44 * 44), 2e-3) << size;
+    EXPECT_EQ(f.input[0][0][0][0].item<float>(), -1) << size;
+    const float middle = f.input[0][1][size / 2][size / 2].item<float>();
+    EXPECT_NEAR(middle, 2 * linear_to_srgb(0.5f) - 1, 1e-4) << size;
+  }
+}
+
+TEST(Foreground, TenThousandPixelsASideAreTaken) {
+  Photo photo;
+  photo.linear = Image(10000, 40, 3);
+  Image mask(10000, 40, 1);
+  for (int x = 100; x < 9900; ++x) mask.pixel(x, 20)[0] = 1;
+  const Foreground f = foreground_of(photo, mask, crop_around(mask), 32);
+  EXPECT_TRUE(torch::isfinite(f.input).all().item<bool>());
+}
+
+}  // namespace
+}  // namespace ohb
