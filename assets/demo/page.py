@@ -110,7 +110,7 @@ def add_samples(page):
 def add_validation(page):
     folder = page.out / "validation"
     report = read_json(folder / "validate.json")
-    words = {"equal": "Equal.", "different": "Different.", "undecided": "No difference found; more samples would tell "
+    words = {"pass": "Equal.", "difference": "Different.", "undecided": "No difference found; more samples would tell "
              "more closely."}.get(report["verdict"], report["verdict"])
     settings = report["settings"]
     page.heading("4. Equal to Cycles?", f"<b>{html.escape(words)}</b> The same view in Blender {report['blender']} and here, "
