@@ -1,5 +1,5 @@
 // The file that image writers write to. OpenImageIO's own buffers lose what goes wrong when they are flushed
-// at the end: on a full disk a PNG would be cut off without a word.
+// at the end: on a full disk a small EXR would be cut off without a word.
 #pragma once
 
 #include <OpenImageIO/filesystem.h>

@@ -254,17 +254,15 @@ void write_png(const fs::path& file, const Image& image, int bits) {
   spec.attribute("DateTime", kFixedDateTime);
   std::vector<float> values = image.values;
   for (float& value : values) value = std::isfinite(value) ? std::clamp(value, 0.0f, 1.0f) : 0.0f;
-  write_file_atomically(file, [&](const fs::path& temporary) {
-    auto output = OIIO::ImageOutput::create("png");
-    if (!output) throw std::logic_error("OpenImageIO has no PNG writer");
-    CheckedOutput bytes(temporary.string());
-    output->set_ioproxy(&bytes);
-    check_written(output->open(temporary.string(), spec), *output, bytes, file);
-    check_written(output->write_image(OIIO::TypeDesc::FLOAT, values.data()), *output, bytes, file);
-    const bool is_closed = output->close();
-    bytes.close();
-    check_written(is_closed, *output, bytes, file);
-  });
+  // Encoded in memory first: libpng leaks when its output fails, and the encoded file is small.
+  OIIO::Filesystem::IOVecOutput bytes;
+  auto output = OIIO::ImageOutput::create("png");
+  if (!output) throw std::logic_error("OpenImageIO has no PNG writer");
+  output->set_ioproxy(&bytes);
+  if (!output->open(file.string(), spec) || !output->write_image(OIIO::TypeDesc::FLOAT, values.data()) ||
+      !output->close())
+    throw std::logic_error("write_png: " + output->geterror());
+  write_file_atomically(file, std::string(bytes.buffer().begin(), bytes.buffer().end()));
 }
 
 const ExrPart& find_part(const std::vector<ExrPart>& parts, const std::string& name, const fs::path& file) {
