@@ -18,7 +18,7 @@ struct ViewList {
 /// "8" is all of 8 views; "100:0,25" is views 0 and 25 of 100. Throws InputError for anything else.
 ViewList parse_views(const std::string& text);
 
-/// "x,y,z,I": position in cm and radiant intensity (RenderSettings.h). Throws InputError.
+/// "x,y,z,I": position in cm and radiant intensity (PointLight in renderer/render.h). Throws InputError.
 PointLight parse_point_light(const std::string& text, size_t index);
 
 struct RenderJob {
