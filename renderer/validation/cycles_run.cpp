@@ -4,26 +4,16 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/model/atomic_file.h"
-#include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
-#include "renderer/validation/process.h"
 
 namespace ohb {
 namespace fs = std::filesystem;
 using nlohmann::json;
 namespace {
 
-constexpr const char* kKnownVersion = "3.4.";
+constexpr int kKnownMajor = 3, kKnownMinor = 4;
 constexpr const char* kMend =
     "install Debian 12's package (apt install blender) or name Blender 3.4 with --blender";
-
-/// The last line that says what went wrong: a Python exception or an error of Blender's.
-std::string reason_of(const std::vector<std::string>& lines) {
-  for (auto line = lines.rbegin(); line != lines.rend(); ++line)
-    if (line->find("rror: ") != std::string::npos && line->find("script failed") == std::string::npos)
-      return *line;
-  return lines.empty() ? "no output" : lines.back();
-}
 
 /// One image, the sum of the files of its boxes.
 CyclesRender read_render(const fs::path& renders, const json& row) {
@@ -57,49 +47,25 @@ CyclesRun read_report(const fs::path& renders) {
 }  // namespace
 
 Blender find_blender(const fs::path& program) {
-  Blender blender{program.empty() ? fs::path("blender") : program, ""};
-  const std::string name = blender.program.string();
-  ProcessResult result;
-  try {
-    result = run_process({name, "--version"}, {}, [&](const std::string& line) {
-      char version[32];
-      if (blender.version.empty() && std::sscanf(line.c_str(), "Blender %31s", version) == 1)
-        blender.version = version;
-    });
-  } catch (const InputError&) {
-    throw InputError(name, "", "Blender was not found there", kMend);
-  }
-  if (blender.version.empty()) throw InputError(name, "", "does not answer as Blender does", kMend);
-  if (blender.version.compare(0, std::string(kKnownVersion).size(), kKnownVersion) != 0)
-    throw InputError(name, "",
+  const Blender blender = ask_blender(program, kMend);
+  if (blender.major != kKnownMajor || blender.minor != kKnownMinor)
+    throw InputError(blender.program.string(), "",
                      "is Blender " + blender.version + "; our renderer equals Cycles of Blender 3.4", kMend);
   return blender;
 }
 
 CyclesRun run_cycles(const Blender& blender, const fs::path& folder, int threads,
                      const std::function<void(size_t, size_t)>& done) {
-  const std::vector<std::string> arguments = {blender.program.string(),
-                                              "-b",
-                                              "-noaudio",
-                                              "--factory-startup",
-                                              "-t",
-                                              std::to_string(threads),
-                                              "--python-exit-code",
-                                              "1",
-                                              "--python",
-                                              program_file("blender_addon/validation_scene.py").string(),
-                                              "--",
-                                              (folder / "scene.json").string()};
   // Its temporary files and user settings stay inside the folder.
-  const std::string inside = fs::absolute(folder / "blender").string();
+  const fs::path inside = folder / "blender";
   fs::create_directories(inside);
-  const ProcessResult result = run_process(
-      arguments, {{"TMPDIR", inside}, {"BLENDER_USER_CONFIG", inside}, {"BLENDER_USER_SCRIPTS", inside}},
-      [&](const std::string& line) {
-        size_t rendered = 0, total = 0;
-        if (done && std::sscanf(line.c_str(), "progress %zu %zu", &rendered, &total) == 2)
-          done(rendered, total);
-      });
+  const ProcessResult result =
+      run_in_blender(blender, "blender_addon/validation_scene.py", {(folder / "scene.json").string()},
+                     threads, inside, [&](const std::string& line) {
+                       size_t rendered = 0, total = 0;
+                       if (done && std::sscanf(line.c_str(), "progress %zu %zu", &rendered, &total) == 2)
+                         done(rendered, total);
+                     });
   fs::remove_all(inside);
   if (result.exit_code > 128)
     throw TryAgainError(blender.program.string(),

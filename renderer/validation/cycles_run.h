@@ -7,14 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "dataset/model/blender.h"
 #include "dataset/model/image.h"
 
 namespace ohb {
-
-struct Blender {
-  std::filesystem::path program;
-  std::string version;  // "3.4.1"
-};
 
 /// Asks the program (empty: `blender` in PATH) for its version. Throws InputError if it cannot be started
 /// or is not 3.4, the version whose Cycles our renderer equals.

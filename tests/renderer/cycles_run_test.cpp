@@ -3,12 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <set>
 
 #include "dataset/model/atomic_file.h"
 #include "renderer/validation/cycles_scene.h"
-#include "renderer/validation/process.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -20,24 +18,6 @@ fs::path script(const TemporaryFolder& folder, const std::string& name, const st
   write_file_atomically(folder / name, "#!/bin/sh\n" + body + "\n");
   fs::permissions(folder / name, fs::perms::owner_all);
   return folder / name;
-}
-
-TEST(Process, GivesLinesExitCodeAndEnvironment) {
-  std::vector<std::string> lines;
-  const auto result = run_process({"sh", "-c", "echo $OHB_A; echo two >&2; exit 3"}, {{"OHB_A", "one"}},
-                                  [&](const std::string& line) { lines.push_back(line); });
-  EXPECT_EQ(result.exit_code, 3);
-  EXPECT_EQ(lines, (std::vector<std::string>{"one", "two"}));
-  EXPECT_EQ(result.last_lines, lines);
-  EXPECT_EQ(run_process({"sh", "-c", "kill -9 $$"}, {}, nullptr).exit_code, 128 + 9);
-}
-
-TEST(Process, IsEndedWhenTheReaderThrows) {
-  const auto start = std::chrono::steady_clock::now();
-  EXPECT_THROW(run_process({"sh", "-c", "echo x; exec sleep 60"}, {},
-                           [](const std::string&) { throw std::runtime_error("stop"); }),
-               std::runtime_error);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
 }
 
 TEST(Blender, MissingOrWrongOnesAreNamed) {

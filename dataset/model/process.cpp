@@ -1,4 +1,4 @@
-#include "renderer/validation/process.h"
+#include "dataset/model/process.h"
 
 #include <fcntl.h>
 #include <sys/prctl.h>

@@ -1,0 +1,48 @@
+#include "dataset/model/blender.h"
+
+#include <cstdio>
+
+#include "dataset/model/data_files.h"
+#include "dataset/model/error.h"
+
+namespace ohb {
+namespace fs = std::filesystem;
+
+Blender ask_blender(const fs::path& program, const std::string& mend) {
+  Blender blender{program.empty() ? fs::path("blender") : program, "", 0, 0};
+  const std::string name = blender.program.string();
+  try {
+    run_process({name, "--version"}, {}, [&](const std::string& line) {
+      char version[32];
+      if (blender.version.empty() && std::sscanf(line.c_str(), "Blender %31s", version) == 1)
+        blender.version = version;
+    });
+  } catch (const InputError&) {
+    throw InputError(name, "", "Blender was not found there", mend);
+  }
+  if (std::sscanf(blender.version.c_str(), "%d.%d", &blender.major, &blender.minor) != 2)
+    throw InputError(name, "", "does not answer as Blender does", mend);
+  return blender;
+}
+
+ProcessResult run_in_blender(const Blender& blender, const fs::path& script,
+                             const std::vector<std::string>& arguments, int threads, const fs::path& scratch,
+                             const std::function<void(const std::string&)>& on_line) {
+  std::vector<std::string> all = {blender.program.string(),      "-b", "-noaudio",
+                                  "--factory-startup",           "-t", std::to_string(threads),
+                                  "--python-exit-code",          "1",  "--python",
+                                  program_file(script).string(), "--"};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  const std::string inside = fs::absolute(scratch).string();
+  return run_process(
+      all, {{"TMPDIR", inside}, {"BLENDER_USER_CONFIG", inside}, {"BLENDER_USER_SCRIPTS", inside}}, on_line);
+}
+
+std::string reason_of(const std::vector<std::string>& lines) {
+  for (auto line = lines.rbegin(); line != lines.rend(); ++line)
+    if (line->find("rror: ") != std::string::npos && line->find("script failed") == std::string::npos)
+      return *line;
+  return lines.empty() ? "no output" : lines.back();
+}
+
+}  // namespace ohb
