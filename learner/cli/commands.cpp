@@ -25,11 +25,13 @@ void use_threads(int threads) {
 void add_train_command(CLI::App& app, Commands& commands);
 void add_evaluate_command(CLI::App& app, Commands& commands);
 void add_estimate_command(CLI::App& app, Commands& commands);
+void add_relight_command(CLI::App& app, Commands& commands);
 
 void Commands::add_to(CLI::App& app) {
   add_train_command(app, *this);
   add_evaluate_command(app, *this);
   add_estimate_command(app, *this);
+  add_relight_command(app, *this);
 }
 
 }  // namespace ohb::learner

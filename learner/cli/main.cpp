@@ -26,7 +26,7 @@ std::string version_text() {
 
 int run(int argc, char** argv) {
   CLI::App app{
-      "Materials of people from one photograph: train, evaluate, estimate.\n"
+      "Materials of people from one photograph: train, evaluate, estimate, relight.\n"
       "Example: humanmaterial train geometry --data dataset -o runs/geometry",
       "humanmaterial"};
   app.require_subcommand(1);
