@@ -62,7 +62,10 @@ Scene::Scene(const Model& model) : positions(model.positions_cm) {
       order.begin(), order.end(), [&](uint32_t t) { return !sets[model.triangles[t].set].has_alpha(); });
   opaque_count = static_cast<uint32_t>(first_cutout - order.begin());
 
-  const std::vector<Vec3f> normals = smooth_normals(model);
+  const std::vector<Vec3f> normals = model.normals.empty() ? smooth_normals(model) : model.normals;
+  if (normals.size() != model.positions_cm.size())
+    throw std::logic_error("build_scene: " + std::to_string(normals.size()) + " normals of " +
+                           std::to_string(model.positions_cm.size()) + " positions");
   const bool any_normal_map =
       std::any_of(sets.begin(), sets.end(), [](const Texels& texels) { return texels.has_normals(); });
   std::vector<CornerTangent> corner_tangents;

@@ -47,6 +47,9 @@ struct Model {
   std::string source_file;    // its name, without folders
   double source_unit_cm = 1;  // position_cm = source position x source_unit_cm + source_shift_cm
   Vec3f source_shift_cm;
+  /// Unit, one a position, for shading instead of smooth_normals; empty: those. Only for meshes made in
+  /// memory: a stored model has none. build_scene throws std::logic_error if their number is wrong.
+  std::vector<Vec3f> normals;
 };
 
 /// MODEL on disk: model.xml (conventions, sets, sources), mesh.obj with mesh.mtl, faces.bin (class and source
@@ -54,7 +57,8 @@ struct Model {
 /// to look at in maps/<set>/previews. Displacement is float, the others half. A set without a normal map
 /// gets a flat normal.exr that model.xml does not list, so that it is not sampled.
 /// Writes into `folder`, which is made if need be: give it an AtomicFolder's path. Throws InputError if it
-/// cannot be written, TryAgainError if the disk is full, std::logic_error for an inconsistent model.
+/// cannot be written, TryAgainError if the disk is full, std::logic_error for an inconsistent model or one
+/// with normals of its own.
 void write_model(const std::filesystem::path& folder, const Model& model);
 
 /// Throws InputError for a missing, incomplete or inconsistent folder. NaN and infinite texels are an error.

@@ -163,6 +163,7 @@ TextureSetEntry write_texture_set(const fs::path& folder, const std::string& set
 void write_model_mesh(const fs::path& folder, const Model& model, const std::vector<TextureSetEntry>& sets) {
   const std::string fault = mesh_fault(model, sets.size());
   if (!fault.empty()) throw std::logic_error("write_model: " + fault);
+  if (!model.normals.empty()) throw std::logic_error("write_model: normals are not stored");
   make_folders(folder);
   write_file_atomically(folder / "mesh.obj", mesh_obj_text(model, sets));
   write_file_atomically(folder / "mesh.mtl", mtl_text(sets));

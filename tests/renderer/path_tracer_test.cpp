@@ -76,6 +76,32 @@ TEST(PathTracer, PointLightOnADiffusePlaneIsAnalytic) {
   EXPECT_NEAR(mean_of(images[0].radiance, 1), 0.5 / M_PI * intensity / 4, 2e-4);
 }
 
+TEST(PathTracer, ShadesByTheModelsOwnNormals) {
+  TestMaterial material;
+  material.specular = 0;
+  material.roughness = 0;
+  Model plane = plane_model(1000, constant_set(material));
+  RenderSettings settings;
+  settings.size_px = 16;
+  settings.spp = 4;
+  const auto lamp = prepare_lights({}, {{"lamp", {0, 500, 200}, 3}});
+  const auto picture = [&] {
+    return render_lights(*build_scene(plane), *lamp, narrow_camera(500), 0, settings)[0].radiance;
+  };
+  const Image smooth = picture();
+  plane.normals = smooth_normals(plane);
+  EXPECT_EQ(picture().values, smooth.values);
+  const float tilt = 0.5f;
+  plane.normals.assign(plane.positions_cm.size(), {std::sin(tilt), 0, std::cos(tilt)});
+  EXPECT_NEAR(render_maps(*build_scene(plane), narrow_camera(500), 0, settings).normal.pixel(8, 8)[0],
+              std::sin(tilt), 1e-5);
+  // f = albedo / pi (1 - wv / 2)(1 - wl / 2) with w = (1 - cos)^5 of both, times the cosine.
+  const double weight = 1 - 0.5 * std::pow(1 - std::cos(tilt), 5);
+  EXPECT_NEAR(mean_of(picture(), 0) / mean_of(smooth, 0), std::cos(tilt) * weight * weight, 2e-3);
+  plane.normals.pop_back();
+  EXPECT_THROW(build_scene(plane), std::logic_error);
+}
+
 TEST(PathTracer, EachLightOfOnePassEqualsThatLightAlone) {
   const auto scene = build_scene(sphere_model(50, 48, constant_set({})));
   const Camera camera = fit_camera(sphere_model(50, 48, constant_set({})).positions_cm);
