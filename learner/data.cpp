@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "dataset/model/colour.h"
@@ -126,14 +127,21 @@ void normalise(Image& normal, const Image& mask, const std::string& file) {
   }
 }
 
-float half_frame_of(const Sample& sample, const std::string& file) {
-  const std::string text = attribute_of(sample, "ohb:displacementRange_cm");
-  const float range = std::strtof(text.c_str(), nullptr);
-  if (!std::isfinite(range) || range <= 0)
-    throw InputError(file, "attribute ohb:displacementRange_cm",
-                     text.empty() ? "is missing" : "is '" + text + "', not a length above 0",
+float number_of(const Sample& sample, const std::string& file, const std::string& name,
+                const std::function<bool(float)>& is_right, const std::string& what) {
+  const std::string text = attribute_of(sample, name);
+  char* end = nullptr;
+  const float number = std::strtof(text.c_str(), &end);
+  if (end == text.c_str() || !std::isfinite(number) || !is_right(number))
+    throw InputError(file, "attribute " + name,
+                     text.empty() ? "is missing" : "is '" + text + "', not " + what,
                      "render the sample again with this version");
-  return range;
+  return number;
+}
+
+float length_of(const Sample& sample, const std::string& file, const std::string& name) {
+  return number_of(
+      sample, file, name, [](float length) { return length > 0; }, "a length above 0");
 }
 
 }  // namespace
@@ -207,7 +215,7 @@ Example example_of(const Sample& sample, const fs::path& path, uint64_t light_ke
   Example example;
   example.name = file + " under " + light.name;
   example.person = person_of(sample, path);
-  example.half_frame_cm = half_frame_of(sample, file);
+  example.half_frame_cm = length_of(sample, file, "ohb:displacementRange_cm");
   Image normal = map(sample.normal), displacement = map(sample.displacement);
   normalise(normal, mask, file);
   for (float& d : displacement.values) d /= example.half_frame_cm;
@@ -224,6 +232,16 @@ Example example_of(const Sample& sample, const fs::path& path, uint64_t light_ke
 
 Example read_example(const fs::path& file, uint64_t light_key, int size_px) {
   return example_of(read_sample(file), file, light_key, size_px);
+}
+
+Camera camera_of(const Sample& sample, const fs::path& path) {
+  const std::string file = path.string();
+  Camera camera;
+  camera.center_y_cm = number_of(
+      sample, file, "ohb:cameraCenterY_cm", [](float) { return true; }, "a number");
+  camera.distance_cm = length_of(sample, file, "ohb:cameraDistance_cm");
+  camera.half_width = length_of(sample, file, "ohb:cameraHalfWidth");
+  return camera;
 }
 
 torch::Tensor network_input(const torch::Tensor& srgb, const torch::Tensor& mask) {

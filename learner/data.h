@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "dataset/model/camera.h"
 #include "dataset/model/sample.h"
 #include "learner/maps.h"
 
@@ -60,6 +61,10 @@ Example example_of(const Sample& sample, const std::filesystem::path& file, uint
 
 /// read_sample and example_of.
 Example read_example(const std::filesystem::path& file, uint64_t light_key, int size_px);
+
+/// The camera that a sample was rendered by. Throws InputError naming `file` and the ohb:camera... attribute
+/// that is missing or no number.
+Camera camera_of(const Sample& sample, const std::filesystem::path& file);
 
 /// (B, 4, H, W) from an sRGB-encoded foreground (B, 3, H, W) that is already multiplied by the mask
 /// (B, 1, H, W): 2 x - 1 of both.

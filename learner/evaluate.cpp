@@ -75,40 +75,32 @@ Tensor input_colour(const Example& e) {
   return ((e.input.slice(1, 0, 3) + 1) / 2 / e.mask.clamp_min(1e-3)).clamp(0, 1);
 }
 
-struct Sums {
-  Scores sum{};
-  size_t count = 0;
-  void add(const Scores& scores) {
-    for (size_t i = 0; i < scores.size(); ++i)
-      sum[i].masked += scores[i].masked, sum[i].full += scores[i].full;
-    ++count;
-  }
-  Scores mean() const {
-    Scores scores = sum;
-    for (Psnr& p : scores) p.masked /= static_cast<double>(count), p.full /= static_cast<double>(count);
-    return scores;
-  }
-};
-
 class Evaluation {
  public:
-  Evaluation(const Estimator& estimator, Tensor constant)
-      : estimator_(estimator), constant_(std::move(constant)) {}
+  /// `relit` may be null.
+  Evaluation(const Estimator& estimator, Tensor constant, RelitScores* relit)
+      : estimator_(estimator), constant_(std::move(constant)), relit_(relit) {}
 
-  void add(const Example& e) {
+  /// One picture; relit too where a camera is given.
+  void add(const Example& e, const std::optional<Camera>& camera) {
     const auto start = std::chrono::steady_clock::now();
     const MaterialMaps priors = estimator_.from_priors(e.input);
     const MaterialMaps refined = estimator_.has_finetune() ? estimator_.estimate(e.input) : priors;
     seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     ++pictures_;
-    const auto put = [&](Row row, const Scores& scores) { sums_[e.person][row].add(scores); };
-    if (estimator_.has_finetune()) put(kFinetuned, scores_of(refined, e.truth, e.mask));
-    put(kPriors, scores_of(priors, e.truth, e.mask));
-    put(kConstant, scores_of(constant_maps(constant_, e.truth), e.truth, e.mask));
-    put(kEightBit, scores_of(eight_bit(e.truth), e.truth, e.mask));
+    const bool relights = relit_ && camera;
+    if (relights) relit_->begin(e, *camera);
+    const auto put = [&](Row row, const MaterialMaps& maps) {
+      sums_[e.person][row].add(scores_of(maps, e.truth, e.mask));
+      if (relights) relit_->add(kRowNames[row], maps);
+    };
+    if (estimator_.has_finetune()) put(kFinetuned, refined);
+    put(kPriors, priors);
+    put(kConstant, constant_maps(constant_, e.truth));
+    put(kEightBit, eight_bit(e.truth));
     Scores albedo = no_scores();
     albedo[1] = psnr(input_colour(e), srgb_of(e.truth.diffuse), e.mask);
-    put(kInputAsAlbedo, albedo);
+    sums_[e.person][kInputAsAlbedo].add(albedo);
   }
 
   EvaluationReport report() const {
@@ -117,14 +109,14 @@ class Evaluation {
     report.seconds_a_picture = seconds_ / static_cast<double>(std::max<size_t>(1, pictures_));
     for (int row = 0; row < kRowCount; ++row) {
       EvaluationRow r{kRowNames[row], {}, {}, {}};
-      Sums over_people;
+      MeanOf<Scores> over_people;
       for (const auto& [person, rows] : sums_) {
         const auto found = rows.find(static_cast<Row>(row));
         if (found == rows.end()) continue;
         r.people[person] = found->second.mean();
         over_people.add(r.people[person]);
       }
-      if (over_people.count == 0) continue;
+      if (over_people.count() == 0) continue;
       r.mean = over_people.mean();
       for (size_t c = 0; c < kColumns.size(); ++c) {
         double squares = 0;
@@ -140,7 +132,8 @@ class Evaluation {
  private:
   const Estimator& estimator_;
   Tensor constant_;
-  std::map<std::string, std::map<Row, Sums>> sums_;
+  RelitScores* relit_;
+  std::map<std::string, std::map<Row, MeanOf<Scores>>> sums_;
   double seconds_ = 0;
   size_t pictures_ = 0;
 };
@@ -151,10 +144,6 @@ double material_mean(const Scores& scores, double Psnr::*value) {
   return sum / static_cast<double>(kMaterialColumns);
 }
 
-std::string cell(double value) {
-  return std::isfinite(value) ? fmt::format(" {:6.2f} |", value) : "      - |";
-}
-
 std::string table_of(const EvaluationReport& report, double Psnr::*value, const std::string& title) {
   std::string text = title + "\n\n| row             |";
   for (const char* column : kColumns) text += fmt::format(" {:>6} |", column);
@@ -163,8 +152,8 @@ std::string table_of(const EvaluationReport& report, double Psnr::*value, const 
   text += "----------:|\n";
   for (const EvaluationRow& row : report.rows) {
     text += fmt::format("| {:<15} |", row.name);
-    for (const Psnr& score : row.mean) text += cell(score.*value);
-    text += "   " + cell(material_mean(row.mean, value)) + "\n";
+    for (const Psnr& score : row.mean) text += table_cell(score.*value);
+    text += "   " + table_cell(material_mean(row.mean, value)) + "\n";
   }
   return text + "\n";
 }
@@ -181,35 +170,44 @@ EvaluationReport evaluate(const EvaluateOptions& options) {
   const std::vector<fs::path> views = views_of(dataset, people);
   const auto trained_on = estimator.header().value("trained_on", std::vector<std::string>{});
   const std::vector<fs::path> training = views_of(dataset, trained_on);
-  Evaluation evaluation(estimator, mean_maps(training.empty() ? views : training, size_px));
+  std::optional<RelitScores> relit;
+  if (options.relit.views_a_person > 0) relit.emplace(options.relit);
+  const auto to_relight = relit_views(dataset, people, options.relit.views_a_person);
+  Evaluation evaluation(estimator, mean_maps(training.empty() ? views : training, size_px),
+                        relit ? &*relit : nullptr);
   Progress progress("evaluating", views.size(), options.quiet);
   for (const fs::path& view : views) {
     throw_if_interrupted();
     const Sample sample = read_sample(view);
-    for (size_t light = 0; light < sample.lights.size(); ++light)
-      evaluation.add(example_of(sample, view, light, size_px));
+    const auto chosen = to_relight.find(view);
+    for (size_t light = 0; light < sample.lights.size(); ++light) {
+      const bool relights = chosen != to_relight.end() && chosen->second % sample.lights.size() == light;
+      evaluation.add(example_of(sample, view, light, size_px),
+                     relights ? std::optional(camera_of(sample, view)) : std::nullopt);
+    }
     progress.add();
   }
   EvaluationReport report = evaluation.report();
   report.people = people;
   report.size_px = size_px;
+  if (relit) report.relit = relit->report();
   return report;
 }
 
 std::string table_of(const EvaluationReport& report) {
   return table_of(report, &Psnr::masked,
                   "PSNR over the foreground, dB: mean over pictures, then over people") +
-         table_of(report, &Psnr::full, "PSNR over the whole frame, dB");
+         table_of(report, &Psnr::full, "PSNR over the whole frame, dB") +
+         (report.relit ? table_of(*report.relit) : "");
 }
 
 nlohmann::json json_of(const EvaluationReport& report) {
-  const auto number = [](double v) { return std::isfinite(v) ? nlohmann::json(v) : nlohmann::json(nullptr); };
   const auto scores_json = [&](const Scores& scores) {
     nlohmann::json json;
     for (size_t i = 0; i < scores.size(); ++i)
-      json[kColumns[i]] = {{"masked", number(scores[i].masked)}, {"full", number(scores[i].full)}};
-    json["maps_mean"] = {{"masked", number(material_mean(scores, &Psnr::masked))},
-                         {"full", number(material_mean(scores, &Psnr::full))}};
+      json[kColumns[i]] = {{"masked", json_number(scores[i].masked)}, {"full", json_number(scores[i].full)}};
+    json["maps_mean"] = {{"masked", json_number(material_mean(scores, &Psnr::masked))},
+                         {"full", json_number(material_mean(scores, &Psnr::full))}};
     return json;
   };
   nlohmann::json json = {{"people", report.people},
@@ -218,10 +216,12 @@ nlohmann::json json_of(const EvaluationReport& report) {
                          {"seconds_a_picture", report.seconds_a_picture}};
   for (const EvaluationRow& row : report.rows) {
     nlohmann::json r = {{"name", row.name}, {"mean", scores_json(row.mean)}};
-    for (size_t i = 0; i < kColumns.size(); ++i) r["deviation_dB"][kColumns[i]] = number(row.deviation_dB[i]);
+    for (size_t i = 0; i < kColumns.size(); ++i)
+      r["deviation_dB"][kColumns[i]] = json_number(row.deviation_dB[i]);
     for (const auto& [person, scores] : row.people) r["people"][person] = scores_json(scores);
     json["rows"].push_back(r);
   }
+  if (report.relit) json["relighting"] = json_of(*report.relit);
   return json;
 }
 

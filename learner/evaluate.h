@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "learner/metrics.h"
+#include "learner/relit_scores.h"
 
 namespace ohb {
 
@@ -16,6 +18,7 @@ struct EvaluateOptions {
   std::filesystem::path data;
   std::vector<std::string> people;  // empty: those that the geometry prior held out
   int size_px = 0;                  // 0: as trained
+  RelitOptions relit;
   bool quiet = false;
 };
 
@@ -33,6 +36,7 @@ struct EvaluationReport {
   size_t pictures = 0;
   int size_px = 0;
   double seconds_a_picture = 0;  // of the networks
+  std::optional<RelitReport> relit;
 };
 
 /// Every view of the people under every light. PSNR is taken of each picture and averaged (not of pooled
@@ -41,10 +45,13 @@ struct EvaluationReport {
 /// Reference rows: "constant" puts the mean of the training people's foreground everywhere (of the evaluated
 /// people's where no training view is in the data); "input as albedo" takes the input for the albedo, "8-bit
 /// truth" is the truth after 8-bit storage.
-/// Throws InputError: weights or data as load_network and read_example; nobody of these names.
+/// Relighting: RelitScores of relit_views, for all rows but "input as albedo".
+/// Throws InputError: weights or data as load_network and read_example; nobody of these names; environments
+/// as RelitScores; a sample without its camera, if it is relit.
 EvaluationReport evaluate(const EvaluateOptions& options);
 
-/// Two tables, masked and full frame, one row a line: for the terminal and for a Markdown file.
+/// Two tables, masked and full frame, and one of relighting, one row a line: for the terminal and for a
+/// Markdown file.
 std::string table_of(const EvaluationReport& report);
 nlohmann::json json_of(const EvaluationReport& report);
 

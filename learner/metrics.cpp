@@ -1,5 +1,7 @@
 #include "learner/metrics.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -43,6 +45,15 @@ Scores scores_of(const MaterialMaps& estimate, const MaterialMaps& truth, const 
   Scores scores;
   for (size_t i = 0; i < scores.size(); ++i) scores[i] = psnr(mine[i], wanted[i], mask);
   return scores;
+}
+
+std::string table_cell(double value, size_t width) {
+  const std::string text = std::isfinite(value) ? fmt::format("{:.2f}", value) : "-";
+  return fmt::format(" {:>{}} |", text, std::max<size_t>(6, width));
+}
+
+nlohmann::json json_number(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
 }
 
 MaterialMaps eight_bit(const MaterialMaps& maps) {

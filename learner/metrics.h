@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <nlohmann/json.hpp>
+#include <string>
 
 #include "learner/maps.h"
 
@@ -25,9 +27,39 @@ Psnr psnr(const torch::Tensor& a, const torch::Tensor& b, const torch::Tensor& m
 /// picture sRGB-encoded, displacement as 0.5 + d / 2, the others as they are.
 std::array<torch::Tensor, kColumns.size()> columns_of(const MaterialMaps& maps);
 
+/// The mean of scores, an array or vector of Psnr, column by column.
+template <typename List>
+class MeanOf {
+ public:
+  void add(const List& scores) {
+    if (count_++ == 0) {
+      sum_ = scores;
+      return;
+    }
+    for (size_t i = 0; i < scores.size(); ++i)
+      sum_[i].masked += scores[i].masked, sum_[i].full += scores[i].full;
+  }
+  size_t count() const { return count_; }
+  List mean() const {
+    List scores = sum_;
+    for (Psnr& p : scores) p.masked /= static_cast<double>(count_), p.full /= static_cast<double>(count_);
+    return scores;
+  }
+
+ private:
+  List sum_{};
+  size_t count_ = 0;
+};
+
 /// One row's scores of one picture.
 using Scores = std::array<Psnr, kColumns.size()>;
 Scores scores_of(const MaterialMaps& estimate, const MaterialMaps& truth, const torch::Tensor& mask);
+
+/// A cell of a table of at least `width` characters, with the bar after it: "  12.34 |"; a dash if not
+/// finite.
+std::string table_cell(double value, size_t width = 6);
+/// Null if not finite.
+nlohmann::json json_number(double value);
 
 /// Every value rounded to 8 bits in its encoding: what storing the truth in 8-bit PNG costs.
 MaterialMaps eight_bit(const MaterialMaps& maps);

@@ -1,3 +1,5 @@
+#include <tbb/global_control.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
@@ -12,15 +14,22 @@ namespace {
 
 struct Arguments {
   EvaluateOptions evaluate;
-  std::vector<std::string> weights;
+  std::vector<std::string> weights, environments;
   std::string data, output;
+  bool no_relight = false;
 };
 
 int run_evaluate(Arguments arguments, const CommonOptions& common) {
   EvaluateOptions& o = arguments.evaluate;
   o.weights.assign(arguments.weights.begin(), arguments.weights.end());
   o.data = arguments.data;
+  o.relit.environments.assign(arguments.environments.begin(), arguments.environments.end());
+  if (arguments.no_relight) o.relit.views_a_person = 0;
   use_threads(common.threads);
+  std::unique_ptr<tbb::global_control> limit;  // of the path tracer
+  if (common.threads > 0)
+    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                  static_cast<size_t>(common.threads));
   warn_of_slow_blas();
   const EvaluationReport report = evaluate(o);
   const std::string json = json_of(report).dump(2) + "\n", table = table_of(report);
@@ -36,6 +45,9 @@ int run_evaluate(Arguments arguments, const CommonOptions& common) {
   std::printf("%s", table.c_str());
   std::printf("%zu pictures of %zu people at %d x %d; %.3f s a picture\n", report.pictures,
               report.people.size(), report.size_px, report.size_px, report.seconds_a_picture);
+  if (report.relit)
+    std::printf("%zu pictures relit with %d paths a pixel; %.1f s a picture\n", report.relit->pictures,
+                report.relit->spp, report.relit->seconds_a_picture);
   return 0;
 }
 
@@ -52,6 +64,19 @@ void add_evaluate_command(CLI::App& app, Commands& commands) {
   command->add_option("--person", arguments->evaluate.people,
                       "person to evaluate; may be repeated (default: those held out)");
   command->add_option("--size", arguments->evaluate.size_px, "pixels of a side (default: as trained)");
+  command
+      ->add_option("--environment", arguments->environments,
+                   "latitude-longitude map to relight by; may be repeated (default: our studio and sunset)")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--relight-views", arguments->evaluate.relit.views_a_person,
+                   "views a person that are relit, evenly around the turn")
+      ->check(CLI::Range(0, 1 << 20))
+      ->capture_default_str();
+  command->add_option("--relight-spp", arguments->evaluate.relit.spp, "paths a pixel of relit pictures")
+      ->check(CLI::Range(1, 1 << 24))
+      ->capture_default_str();
+  command->add_flag("--no-relight", arguments->no_relight, "leave relighting out");
   command->add_option("-o,--output", arguments->output, "folder for evaluation.json and evaluation.md");
   add_common_options(*command, commands.common);
   command->footer(

@@ -66,6 +66,8 @@ TEST(Evaluate, FillsTheTableForHeldOutPeople) {
   EvaluateOptions o;
   o.weights = weights_in(folder, true);
   o.data = folder / "data";
+  o.relit.views_a_person = 1;
+  o.relit.spp = 2;
   o.quiet = true;
   EvaluationReport report = evaluate(o);
   EXPECT_EQ(report.people, std::vector<std::string>{"person1"});
@@ -81,10 +83,22 @@ TEST(Evaluate, FillsTheTableForHeldOutPeople) {
   const std::string table = table_of(report);
   EXPECT_NE(table.find("| priors "), std::string::npos) << table;
   EXPECT_EQ(json_of(report)["rows"].size(), 5u);
+  ASSERT_TRUE(report.relit);
+  EXPECT_EQ(report.relit->pictures, 1u) << "one view under one light";
+  std::vector<std::string> relit_rows;
+  for (const RelitRow& row : report.relit->rows) {
+    relit_rows.push_back(row.name);
+    for (const Psnr& score : row.mean) EXPECT_GT(score.masked, 0) << row.name;
+  }
+  EXPECT_EQ(relit_rows, (std::vector<std::string>{"finetuned", "priors", "constant", "8-bit truth"}));
+  EXPECT_NE(table.find("sunset frame |"), std::string::npos) << table;
+  EXPECT_GT(json_of(report)["relighting"]["rows"][3]["mean"]["studio"]["masked"], 30);
+  o.relit.views_a_person = 0;
   o.people = {"person0", "person2"};
   o.weights = weights_in(folder, false);
   report = evaluate(o);
   EXPECT_EQ(report.rows.size(), 4u) << "no finetuned row";
+  EXPECT_FALSE(json_of(report).contains("relighting"));
   EXPECT_EQ(report.rows[0].people.size(), 2u);
   o.people = {"nobody"};
   expect_message(input_error_of([&] { evaluate(o); }), {"nobody"});

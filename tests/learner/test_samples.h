@@ -41,8 +41,12 @@ inline Sample ball_sample(int size_px, const std::string& person, int view, int 
               albedo * std::max(0.05f, 0.8f * n[2] + (side ? 0.5f : -0.5f) * n[0] + 0.3f * n[1]);
       }
     }
-  s.attributes = {
-      {"ohb:human", person}, {"ohb:view", std::to_string(view)}, {"ohb:displacementRange_cm", "100"}};
+  s.attributes = {{"ohb:human", person},
+                  {"ohb:view", std::to_string(view)},
+                  {"ohb:displacementRange_cm", "100"},
+                  {"ohb:cameraCenterY_cm", "100"},
+                  {"ohb:cameraDistance_cm", "500"},
+                  {"ohb:cameraHalfWidth", "0.2"}};
   return s;
 }
 
