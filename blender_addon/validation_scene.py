@@ -229,7 +229,7 @@ def build_world(settings, folder, environment):
     settings.set_all("environment", node, {"interpolation": "Linear", "projection": "EQUIRECTANGULAR"})
     world.node_tree.links.new(node.outputs["Color"], background.inputs["Color"])
     settings.set_all("world.cycles", world.cycles, {
-        "sampling_method": "MANUAL", "sample_map_resolution": max(4, min(8192, environment["width_px"]))})
+        "sampling_method": "MANUAL", "sample_map_resolution": max(4, min(8192, 4 * environment["width_px"]))})
 
 
 def add_point_light(settings, number, point):

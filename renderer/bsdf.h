@@ -36,10 +36,19 @@ inline float ggx_g1(float c, float alpha2) {
   return 2 / (1 + std::sqrt(1 + alpha2 * std::fmax(0.0f, 1 - c * c) / (c * c)));
 }
 
+/// What light does that is not mirrored at the surface.
+enum class DiffuseLobe {
+  kWhole,            // Burley's diffuse
+  kRetroReflection,  // the part of it that stays at the surface where the rest walks under it
+  kExit              // the end of a walk: white, of the leaving direction alone
+};
+
 struct BsdfSample {
   Vec3f wi;
-  Vec3f value;    // f times cosine of all lobes
-  float pdf = 0;  // of the mixture; 0: no direction
+  Vec3f value;              // f times cosine of all lobes
+  float pdf = 0;            // of the mixture; 0: no direction
+  bool enters = false;      // the path goes under the surface: no direction, `pdf` is the chance of it
+  bool is_diffuse = false;  // of the lobe that was chosen
 };
 
 struct BsdfValue {
@@ -51,8 +60,17 @@ class PrincipledV1 {
  public:
   /// base: linear albedo; roughness: perceptual; f0: normal-incidence reflectance. n must already be made
   /// valid (cycles::ensure_valid_reflection). `first_hit` turns on the defensive choice of lobes.
-  PrincipledV1(Vec3f base, float roughness, float f0, Vec3f n, Vec3f ns, Vec3f ng, Vec3f wo, bool first_hit)
-      : base_(base), n_(n), ns_(ns), ng_(ng), wo_(wo), roughness_(roughness), cos_o_(dot(n, wo)) {
+  /// kRetroReflection adds the lobe that enters the surface, of weight base.
+  PrincipledV1(Vec3f base, float roughness, float f0, Vec3f n, Vec3f ns, Vec3f ng, Vec3f wo, bool first_hit,
+               DiffuseLobe lobe = DiffuseLobe::kWhole)
+      : base_(base),
+        n_(n),
+        ns_(ns),
+        ng_(ng),
+        wo_(wo),
+        roughness_(roughness),
+        cos_o_(dot(n, wo)),
+        lobe_(lobe) {
     const float alpha = roughness * roughness;
     alpha2_ = alpha * alpha;
     f0_ = std::min(f0, 1.0f);
@@ -80,8 +98,14 @@ class PrincipledV1 {
   /// A direction of the mixture. u0 chooses the lobe.
   BsdfSample sample(float u0, float u1, float u2) const {
     BsdfSample result;
-    const bool specular_chosen = has_specular_ && !(has_diffuse_ && u0 < diffuse_share_);
+    if (u0 < entry_share_) {
+      result.enters = true;
+      result.pdf = entry_share_;
+      return result;
+    }
+    const bool specular_chosen = has_specular_ && !(has_diffuse_ && u0 < entry_share_ + diffuse_share_);
     if (has_diffuse_ && !specular_chosen) {
+      result.is_diffuse = true;
       result.wi = Frame(n_).to_world(sample_cosine_hemisphere(u1, u2));
     } else if (specular_chosen) {
       if (alpha2_ <= cycles::kMirrorAlpha2) return sample_mirror();
@@ -104,15 +128,24 @@ class PrincipledV1 {
  private:
   // Cycles' sample weights: mean albedo against the Fresnel reflectance towards the viewer.
   void choose_lobes(bool first_hit) {
+    const bool enters = has_diffuse_ && lobe_ == DiffuseLobe::kRetroReflection;
     float diffuse_weight = has_diffuse_ ? mean(base_) : 0;
-    float specular_weight = has_specular_ ? fresnel(cos_o_) : 0;
-    const float sum = diffuse_weight + specular_weight;
-    if (first_hit) {
-      if (has_diffuse_) diffuse_weight = std::max(diffuse_weight, cycles::kDefensiveShare * sum);
-      if (has_specular_) specular_weight = std::max(specular_weight, cycles::kDefensiveShare * sum);
+    float entry_weight = 0;
+    if (enters) {
+      entry_weight = cycles::kSubsurfaceLobeWeight * diffuse_weight;
+      diffuse_weight *= roughness_ * schlick_weight(cos_o_);
     }
-    const float total = diffuse_weight + specular_weight;
+    float specular_weight = has_specular_ ? fresnel(cos_o_) : 0;
+    const float sum = diffuse_weight + specular_weight + entry_weight;
+    if (first_hit) {
+      const float least = cycles::kDefensiveShare * sum;
+      if (has_diffuse_) diffuse_weight = std::max(diffuse_weight, least);
+      if (has_specular_) specular_weight = std::max(specular_weight, least);
+      if (enters) entry_weight = std::max(entry_weight, least);
+    }
+    const float total = diffuse_weight + specular_weight + entry_weight;
     diffuse_share_ = total > 0 ? diffuse_weight / total : 0;
+    entry_share_ = total > 0 ? entry_weight / total : 0;
   }
 
   // F0 is scalar, so the blend of Cycles' principled Fresnel from F0 to 1 is the dielectric curve itself.
@@ -120,8 +153,13 @@ class PrincipledV1 {
 
   Vec3f diffuse(Vec3f wi, float cos_i) const {
     const float wl = schlick_weight(cos_i), wv = schlick_weight(cos_o_);
-    const float retro = roughness_ * (dot(wi, wo_) + 1);
-    float value = (1 - 0.5f * wv) * (1 - 0.5f * wl) + retro * (wl + wv + wl * wv * (retro - 1));
+    float value = 0;
+    if (lobe_ == DiffuseLobe::kWhole) value = (1 - 0.5f * wv) * (1 - 0.5f * wl);
+    if (lobe_ == DiffuseLobe::kExit) value = 1 - 0.5f * wl;
+    if (lobe_ != DiffuseLobe::kExit) {
+      const float retro = roughness_ * (dot(wi, wo_) + 1);
+      value += retro * (wl + wv + wl * wv * (retro - 1));
+    }
     value *= cos_i * kInvPi;
     if (bumped_) value *= cycles::bump_terminator(ns_, n_, wi);
     return value * base_;
@@ -154,7 +192,7 @@ class PrincipledV1 {
     const float common = g1_o * d / (4 * cos_o_);
     const float value = fresnel(dot(wi, h)) * common * ggx_g1(cos_i, alpha2_);
     result.value += Vec3f{value, value, value};
-    result.pdf += (1 - diffuse_share_) * common;
+    result.pdf += specular_share() * common;
   }
 
   BsdfSample sample_mirror() const {
@@ -164,12 +202,15 @@ class PrincipledV1 {
     const BsdfValue rest = eval(result.wi);
     const float value = fresnel(cos_o_) * cycles::kMirrorDensity;
     result.value = rest.value + Vec3f{value, value, value};
-    result.pdf = rest.pdf + (1 - diffuse_share_) * cycles::kMirrorDensity;
+    result.pdf = rest.pdf + specular_share() * cycles::kMirrorDensity;
     return result;
   }
 
+  float specular_share() const { return 1 - diffuse_share_ - entry_share_; }
+
   Vec3f base_, n_, ns_, ng_, wo_;
-  float roughness_, cos_o_, alpha2_, f0_, eta_, diffuse_share_;
+  float roughness_, cos_o_, alpha2_, f0_, eta_, diffuse_share_, entry_share_;
+  DiffuseLobe lobe_;
   bool bumped_, has_diffuse_, has_specular_;
 };
 

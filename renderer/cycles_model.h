@@ -18,6 +18,16 @@ constexpr float kMirrorDensity = 1e6f;
 constexpr float kDefensiveShare = 0.125f;
 /// Real reflectance at normal incidence = 0.08 x Specular (Principled v1, 3.x).
 constexpr float kF0PerSpecular = 0.08f;
+/// Bisections of the solver from scattering radius to mean free path (Principled v1, 3.x).
+constexpr int kRadiusBisections = 12;
+/// Walks under the surface that are not out after so many segments are dropped (all versions so far).
+constexpr int kMaxWalkSegments = 256;
+/// Walks have at least this single-scattering albedo (3.x).
+constexpr float kLeastWalkAlbedo = 0.2f;
+/// Subsurface up to this is none (Principled v1, 3.x).
+constexpr float kLeastSubsurface = 1e-5f;
+/// The lobe that enters the surface is chosen as if it were one lobe a channel (3.x).
+constexpr float kSubsurfaceLobeWeight = 3;
 /// Environment lookups wrap around the poles as well (all versions so far).
 constexpr bool kEnvironmentWrapsPoles = true;
 

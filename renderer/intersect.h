@@ -16,6 +16,7 @@ struct Ray {
 /// Rays of one tile.
 struct RayCounts {
   uint64_t closest_hit = 0, shadow = 0;
+  uint64_t walks = 0, walk_segments = 0;
   std::vector<RecordedRay>* record = nullptr;
 };
 

@@ -14,6 +14,7 @@
 #include <mutex>
 
 #include "renderer/lights.h"
+#include "renderer/random_walk.h"
 #include "renderer/surface.h"
 
 namespace ohb {
@@ -34,6 +35,7 @@ struct PathContext {
   double turn_rad;
   Vec3f turn_x, turn_z;  // the world's X and Z axes in the subject's frame
   int max_bounces;
+  bool subsurface;
 
   Vec3f to_world(Vec3f v) const { return {dot(v, turn_x), v.y, dot(v, turn_z)}; }
   Vec3f to_subject(Vec3f v) const { return v.x * turn_x + Vec3f{0, v.y, 0} + v.z * turn_z; }
@@ -95,6 +97,7 @@ void trace_path(const PathContext& c, Ray ray, PathSampler& sampler, TileResult&
                 std::vector<Vec3f>& radiance) {
   Vec3f throughput{1, 1, 1};
   float bsdf_pdf = 0;
+  bool diffuse_ancestor = false;  // walks are made before the first diffuse bounce only
   for (int bounce = 0;; ++bounce) {
     Hit hit;
     if (!intersect<kCutouts>(c.scene, ray, sampler.random, tile.rays, hit)) {
@@ -108,16 +111,33 @@ void trace_path(const PathContext& c, Ray ray, PathSampler& sampler, TileResult&
       if (!(sampler.random.next() < survive)) return;
       throughput *= 1 / survive;
     }
-    const Vec3f wo = -ray.direction;
-    const SurfacePoint point = surface_at(c.scene, hit, wo);
-    const PrincipledV1 bsdf = bsdf_at(point, wo, bounce == 0);
+    Vec3f wo = -ray.direction;
+    SurfacePoint point = surface_at(c.scene, hit, wo);
+    const bool enters = c.subsurface && !diffuse_ancestor && point.texel.sss > cycles::kLeastSubsurface;
+    const Vec3f n = cycles::ensure_valid_reflection(point.ng, wo, point.n);
+    PrincipledV1 bsdf =
+        bsdf_at(point, n, wo, bounce == 0, enters ? DiffuseLobe::kRetroReflection : DiffuseLobe::kWhole);
     if (bsdf.is_black()) return;
     sample_lights<kCutouts>(c, point, bsdf, throughput, sampler, tile, radiance);
-    const Vec2f u_lobe = sampler.next_pair(), u = sampler.next_pair();
-    const BsdfSample next = bsdf.sample(u_lobe.x, u.x, u.y);
+    Vec2f u_lobe = sampler.next_pair(), u = sampler.next_pair();
+    BsdfSample next = bsdf.sample(u_lobe.x, u.x, u.y);
+    if (next.enters) {
+      WalkExit exit;
+      if (!walk_under_surface<kCutouts>(c.scene, point, hit.triangle, n, u, sampler.random, tile.rays, exit))
+        return;
+      // The walk's medium has the colour: the lobe's weight is only its share.
+      throughput *= exit.weight / next.pdf;
+      wo = exit.direction;
+      point = surface_at(c.scene, exit.hit, wo);
+      bsdf = exit_bsdf_at(point, wo);
+      sample_lights<kCutouts>(c, point, bsdf, throughput, sampler, tile, radiance);
+      u_lobe = sampler.next_pair(), u = sampler.next_pair();
+      next = bsdf.sample(u_lobe.x, u.x, u.y);
+    }
     if (!(next.pdf > 0) || !(max_component(next.value) > 0)) return;
     throughput *= next.value / next.pdf;
     bsdf_pdf = next.pdf;
+    diffuse_ancestor |= next.is_diffuse;
     ray = {ray_origin(c.scene, point.position, point.ng, next.wi), next.wi};
   }
 }
@@ -167,12 +187,13 @@ std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& light
                             turn_rad,
                             turn_about_y({1, 0, 0}, -turn_rad),
                             turn_about_y({0, 0, 1}, -turn_rad),
-                            settings.max_bounces};
+                            settings.max_bounces,
+                            settings.subsurface};
   const ViewCamera view(camera, turn_rad, settings.size_px);
   const bool whole = settings.crop.x1 <= settings.crop.x0 || settings.crop.y1 <= settings.crop.y0;
   const PixelBox box = whole ? PixelBox{0, 0, settings.size_px, settings.size_px} : settings.crop;
   std::mutex record_mutex;
-  std::atomic<uint64_t> closest_hit{0}, shadow{0}, nonfinite{0};
+  std::atomic<uint64_t> closest_hit{0}, shadow{0}, walks{0}, walk_segments{0}, nonfinite{0};
   tbb::parallel_for(
       tbb::blocked_range2d<int>(box.y0, box.y1, kTile_px, box.x0, box.x1, kTile_px),
       [&](const tbb::blocked_range2d<int>& range) {
@@ -190,6 +211,8 @@ std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& light
         }
         closest_hit += tile.rays.closest_hit;
         shadow += tile.rays.shadow;
+        walks += tile.rays.walks;
+        walk_segments += tile.rays.walk_segments;
         nonfinite += tile.nonfinite;
         if (done) done(range.rows().size() * range.cols().size());
       },
@@ -199,6 +222,8 @@ std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& light
     statistics->paths += pixels * static_cast<uint64_t>(settings.spp);
     statistics->closest_hit_rays += closest_hit;
     statistics->shadow_rays += shadow;
+    statistics->walks += walks;
+    statistics->walk_segments += walk_segments;
     statistics->nonfinite += nonfinite;
     statistics->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }

@@ -32,6 +32,7 @@ struct RenderSettings {
   int spp = 256;         // paths a pixel, each serving every light
   uint64_t seed = 1;     // of this image; equal seeds give equal bits
   int max_bounces = 32;  // indirect generations; the last ray still sees the environments
+  bool subsurface = true;  // false: skin reflects diffusely instead
   int map_grid = 8;      // the maps average map_grid x map_grid points a pixel
   /// Cycles sends sample 0 of each pixel through the centre; set it to equal Cycles at the same spp.
   bool first_sample_at_centre = false;
@@ -52,6 +53,8 @@ struct RenderStatistics {
   uint64_t paths = 0;
   uint64_t closest_hit_rays = 0;  // camera and indirect rays, cut-outs passed included
   uint64_t shadow_rays = 0;
+  uint64_t walks = 0;          // under the surface
+  uint64_t walk_segments = 0;  // their rays
   uint64_t nonfinite = 0;  // contributions that were NaN or infinite and left out
   double seconds = 0;
   std::vector<RecordedRay>* record = nullptr;  // if set, receives every query, tile by tile
@@ -76,7 +79,7 @@ Sample render_maps(const Scene& scene, const Camera& camera, double turn_rad, co
 
 /// One radiance image a light (linear Rec. 709, premultiplied by coverage, background black), environments
 /// first. One path traversal serves all lights; each image is unbiased by itself. Bit-identical for any
-/// thread count. Subsurface is replaced by diffuse reflection.
+/// thread count.
 std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& lights, const Camera& camera,
                                        double turn_rad, const RenderSettings& settings,
                                        RenderStatistics* statistics = nullptr,

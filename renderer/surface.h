@@ -15,6 +15,7 @@ struct SurfacePoint {
   Vec3f ng, ns, n;  // geometric, smooth and mapped normal, unit, on the side of wo
   SurfaceTexel texel;
   uint8_t material_class;
+  bool has_normal_map;
 };
 
 inline Vec3f position_at(const Scene& scene, const Hit& hit) {
@@ -55,6 +56,7 @@ inline SurfacePoint surface_at(const Scene& scene, const Hit& hit, Vec3f wo) {
   point.texel = scene.sets[a.set].surface(uv);
   point.n = a.has_normal_map ? mapped_normal(scene, hit, uv, smooth, point.ns) : point.ns;
   point.material_class = a.material_class;
+  point.has_normal_map = a.has_normal_map;
   if (dot(point.ng, wo) < 0) {
     point.ng = -point.ng;
     point.ns = -point.ns;
@@ -68,11 +70,19 @@ inline Vec3f ray_origin(const Scene& scene, Vec3f position, Vec3f ng, Vec3f dire
   return position + (dot(ng, direction) >= 0 ? scene.self_hit_offset_cm : -scene.self_hit_offset_cm) * ng;
 }
 
-/// The BSDF of a point seen from wo.
-inline PrincipledV1 bsdf_at(const SurfacePoint& point, Vec3f wo, bool first_hit) {
-  const Vec3f n = cycles::ensure_valid_reflection(point.ng, wo, point.n);
+/// The BSDF of a point seen from wo; n is its normal after cycles::ensure_valid_reflection.
+inline PrincipledV1 bsdf_at(const SurfacePoint& point, Vec3f n, Vec3f wo, bool first_hit, DiffuseLobe lobe) {
   return PrincipledV1(point.texel.albedo, point.texel.roughness, srgb_to_linear(point.texel.specular), n,
-                      point.ns, point.ng, wo, first_hit);
+                      point.ns, point.ng, wo, first_hit, lobe);
+}
+
+/// The end of a walk under the surface. Where the surface that it comes out at has no subsurface, its normal
+/// map is not asked (Cycles weights the normals of the lobes that enter there, of which there are none); and
+/// without a map the smooth normal is taken as it is.
+inline PrincipledV1 exit_bsdf_at(const SurfacePoint& point, Vec3f wo) {
+  const bool has_map = point.has_normal_map && point.texel.sss > cycles::kLeastSubsurface;
+  const Vec3f n = has_map ? cycles::ensure_valid_reflection(point.ng, wo, point.n) : point.ns;
+  return PrincipledV1({1, 1, 1}, 1, 0, n, point.ns, point.ng, wo, false, DiffuseLobe::kExit);
 }
 
 /// The pinhole camera in the subject's frame: the subject turns by an angle, so the camera turns back.

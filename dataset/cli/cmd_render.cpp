@@ -10,7 +10,7 @@ namespace ohb {
 namespace {
 
 struct Options {
-  std::string model, output, views = "1";
+  std::string model, output, views = "1", subsurface = "walk";
   std::vector<std::string> environments, points;
   int size_px = 512, spp = 256, bounces = 32;
 };
@@ -25,6 +25,7 @@ int run_render(const Options& options, const CommonOptions& common) {
   job.settings.size_px = options.size_px;
   job.settings.spp = options.spp;
   job.settings.max_bounces = options.bounces;
+  job.settings.subsurface = options.subsurface == "walk";
   job.settings.seed = common.seed;
   job.output = options.output;
   const RenderReport report = render_samples(job);
@@ -39,7 +40,7 @@ int run_render(const Options& options, const CommonOptions& common) {
     done += !view.was_there;
     seconds += view.statistics.seconds;
     paths += view.statistics.paths;
-    rays += view.statistics.closest_hit_rays + view.statistics.shadow_rays;
+    rays += view.statistics.closest_hit_rays + view.statistics.shadow_rays + view.statistics.walk_segments;
   }
   std::printf("%s: %zu views rendered, %zu were there\n", options.output.c_str(), done,
               report.views.size() - done);
@@ -71,6 +72,11 @@ void add_render_command(CLI::App& app, Commands& commands) {
       ->capture_default_str();
   command->add_option("--bounces", options->bounces, "indirect bounces at most")
       ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command
+      ->add_option("--subsurface", options->subsurface,
+                   "walk: light scatters under the skin; diffuse: it does not, which is faster")
+      ->check(CLI::IsMember({"walk", "diffuse"}))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "folder for the samples")->required();
   add_common_options(*command, commands.common);

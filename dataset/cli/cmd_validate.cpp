@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Options {
-  std::string model, environment, view = "0/1", output;
+  std::string model, environment, view = "0/1", subsurface = "walk", output;
   ValidationSettings settings;
 };
 
@@ -47,6 +47,7 @@ int run_validate(Options options, const CommonOptions& common) {
   ValidationSettings& settings = options.settings;
   parse_view(options.view, settings);
   settings.threads = common.threads;
+  settings.subsurface = options.subsurface == "walk";
   settings.seed = common.seed;
   const Model model = read_model(options.model);
   const Environment environment = read_environment(options.environment);
@@ -86,6 +87,11 @@ void add_validate_command(CLI::App& app, Commands& commands) {
       ->capture_default_str();
   command->add_option("--bounces", settings.max_bounces, "indirect bounces at most")
       ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command
+      ->add_option("--subsurface", options->subsurface,
+                   "walk: light scatters under the skin; diffuse: on neither side")
+      ->check(CLI::IsMember({"walk", "diffuse"}))
       ->capture_default_str();
   command
       ->add_option(

@@ -13,6 +13,7 @@ struct Vec2f {
 struct Vec3f {
   float x = 0, y = 0, z = 0;
   float operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+  float& operator[](int i) { return i == 0 ? x : i == 1 ? y : z; }
 };
 
 inline Vec2f operator+(Vec2f a, Vec2f b) {
@@ -84,6 +85,9 @@ inline bool is_finite(Vec3f a) {
 }
 inline bool is_finite(Vec2f a) {
   return std::isfinite(a.x) && std::isfinite(a.y);
+}
+inline float min_component(Vec3f v) {
+  return std::fmin(v.x, std::fmin(v.y, v.z));
 }
 inline float max_component(Vec3f a) {
   return std::fmax(a.x, std::fmax(a.y, a.z));

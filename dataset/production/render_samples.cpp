@@ -58,7 +58,7 @@ ExrAttributes attributes_of(const RenderJob& job, const Model& model, const std:
       {"ohb:spp", std::to_string(s.spp)},
       {"ohb:maxBounces", std::to_string(s.max_bounces)},
       {"ohb:mapGrid", std::to_string(s.map_grid)},
-      {"ohb:subsurface", "replaced by diffuse"},
+      {"ohb:subsurface", s.subsurface ? "random walk" : "replaced by diffuse"},
       {"ohb:unit", "cm"},
       {"ohb:cameraCenterY_cm", shortest(camera.center_y_cm)},
       {"ohb:cameraDistance_cm", shortest(camera.distance_cm)},
@@ -124,6 +124,8 @@ void write_render_json(const RenderJob& job, const RenderReport& report) {
                              {"paths", view.statistics.paths},
                              {"closest_hit_rays", view.statistics.closest_hit_rays},
                              {"shadow_rays", view.statistics.shadow_rays},
+                             {"walks", view.statistics.walks},
+                             {"walk_segments", view.statistics.walk_segments},
                              {"nonfinite_left_out", view.statistics.nonfinite}});
   write_file_atomically(job.output / "render.json", json.dump(2) + "\n");
 }
@@ -190,11 +192,7 @@ RenderReport render_samples(const RenderJob& job) {
     throw InputError(job.output.string(), "", "cannot be created: " + error.message(), "choose another -o");
 
   RenderReport report;
-  report.subsurface_replaced = has_subsurface(model);
-  if (report.subsurface_replaced)
-    spdlog::warn(
-        "subsurface scattering is replaced by diffuse reflection in this version: skin looks harder than it "
-        "is");
+  report.subsurface_replaced = !job.settings.subsurface && has_subsurface(model);
   const auto scene = build_scene(model);
   const auto lights = prepare_lights(environments, job.points);
   const Camera camera = fit_camera(model.positions_cm);

@@ -1,5 +1,7 @@
 #include "renderer/validation/cycles_scene.h"
 
+#include <Imath/half.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -76,6 +78,11 @@ void write_map(const fs::path& file, const Image& image, ExrPart::Type type) {
   write_exr(file, {part}, {});
 }
 
+Image rounded_to_half(Image image) {
+  for (float& value : image.values) value = static_cast<float>(half(value));
+  return image;
+}
+
 json write_texture_set(const fs::path& folder, const TextureSet& set, size_t number) {
   const std::pair<const char*, const Image*> maps[] = {
       {"albedo", &set.albedo},       {"alpha", &set.alpha},       {"normal", &set.normal},
@@ -87,7 +94,11 @@ json write_texture_set(const fs::path& folder, const TextureSet& set, size_t num
       continue;
     }
     const std::string file = "maps/" + std::to_string(number) + "_" + name + ".exr";
-    write_map(folder / file, *image, ExrPart::Type::kHalf);
+    // Cycles 3.4 reads a half of 0 as 2^-15 (measured), more than kLeastSubsurface: all would scatter.
+    if (image == &set.sss)
+      write_map(folder / file, rounded_to_half(*image), ExrPart::Type::kFloat);
+    else
+      write_map(folder / file, *image, ExrPart::Type::kHalf);
     description[name] = file;
   }
   return description;
@@ -139,7 +150,7 @@ void write_cycles_scene(const fs::path& folder, const CyclesScene& scene) {
   json description = {{"format", "openhumanbrdf validation scene 1"},
                       {"mesh", write_mesh(folder, *scene.model)},
                       {"texture_sets", json::array()},
-                      {"sss_scale", scene.sss_scale},
+                      {"sss_scale", scene.subsurface ? 1.0 : 0.0},
                       {"environment", write_environment(folder, scene.environment)},
                       {"points", describe_points(scene.points)},
                       {"camera", describe_camera(scene.camera)},

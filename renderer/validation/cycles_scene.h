@@ -29,8 +29,8 @@ struct CyclesScene {
   Camera camera;
   double turn_rad = 0;  // of the subject about +Y
   int size_px = 256;
-  int max_bounces = 32;  // of every kind; cut-outs pass 256
-  float sss_scale = 0;   // times the sss map; 0: diffuse, as our renderer does
+  int max_bounces = 32;    // of every kind; cut-outs pass 256
+  bool subsurface = true;  // false: diffuse reflection instead
   std::vector<CyclesPass> passes;
 };
 

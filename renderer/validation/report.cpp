@@ -82,7 +82,9 @@ std::string validation_json(const Validation& v) {
       {"model", v.model_name},
       {"environment", v.environment_name},
       {"blender", v.blender_version},
-      {"subsurface", v.has_subsurface ? "set to 0 on both sides" : "none"},
+      {"subsurface", !v.has_subsurface       ? "none"
+                     : v.settings.subsurface ? "random walk"
+                                             : "set to 0 on both sides"},
       {"settings", settings_json(v.settings)},
       {"thresholds",
        {{"ratio", limits.ratio}, {"accepted_share", limits.accepted_share}, {"seeds", limits.seeds}}},

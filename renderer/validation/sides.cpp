@@ -62,6 +62,7 @@ RenderSettings OurRenderer::settings() const {
   RenderSettings settings;
   settings.size_px = scene_.size_px;
   settings.max_bounces = scene_.max_bounces;
+  settings.subsurface = scene_.subsurface;
   settings.first_sample_at_centre = true;
   return settings;
 }

@@ -90,6 +90,7 @@ CyclesScene scene_of(const Model& model, const Environment& environment, const V
   scene.turn_rad = turn_of_view(settings.view, settings.view_count);
   scene.size_px = settings.size_px;
   scene.max_bounces = settings.max_bounces;
+  scene.subsurface = settings.subsurface;
   scene.passes = {{settings.spp, cycles_seeds(settings.seed, settings.seeds), {}}};
   return scene;
 }

@@ -20,6 +20,7 @@ struct ValidationThresholds {
 struct ValidationSettings {
   int view = 0, view_count = 1;
   int size_px = 256, spp = 128, seeds = 8, max_bounces = 32;
+  bool subsurface = true;  // false: diffuse reflection instead, on both sides
   /// Regions whose interval is too wide are rendered again, alone, with up to so many times the work.
   double focus = 100;  // 1: never
   int threads = 0;     // 0: all
@@ -44,7 +45,7 @@ struct Verdict {
 struct Validation {
   std::string model_name, environment_name, blender_version;
   ValidationSettings settings;
-  bool has_subsurface = false;  // the model has some, which both sides leave out
+  bool has_subsurface = false;  // the model has some
   uint64_t nonfinite = 0;       // contributions of ours that were left out
   std::vector<CyclesSetting> blender_settings;
   PixelSets pixels;
@@ -73,7 +74,7 @@ Verdict judge(const Validation& validation);
 /// Renders both sides and compares; then once more, with new seeds, the regions whose interval is wider than
 /// 0.8 of the threshold (its half 0.4), with the work that the first pass's spread foretells: those results
 /// replace the first. `scratch` is an existing folder for the scene and Cycles' images.
-/// Subsurface is 0 on both sides. Throws InputError if Blender is missing, wrong, or fails.
+/// Throws InputError if Blender is missing, wrong, or fails.
 Validation validate(const Model& model, const Environment& environment, const ValidationSettings& settings,
                     const std::filesystem::path& scratch);
 

@@ -11,11 +11,11 @@ models=("$@")
 if [ ${#models[@]} -eq 0 ]; then
   models=(m48_suit m48_suit_scan f25_casual f25_casual_scan m35_tee m35_tee_scan)
 fi
-program=$(dirname "$0")/../../build/release/bin/openhumanbrdf
+program=${PROGRAM:-$(dirname "$0")/../../build/release/bin/openhumanbrdf}
 world=$(dirname "$(dirname "$(readlink -f "$(command -v blender)")")")/share/blender/datafiles/studiolights/world
-environments=${ENVIRONMENTS:-$world/courtyard.exr $world/forest.exr}
+environments=${ENVIRONMENTS:-$world/sunset.exr $world/forest.exr}
 # shellcheck disable=SC2206
-options=(${OPTIONS:---size 256 --spp 128 --seeds 8 --focus 400})
+options=(${OPTIONS:---size 256 --spp 128 --seeds 8 --focus 1500})
 mkdir -p "$out"
 
 make_model() {

@@ -148,6 +148,7 @@ struct Ladder {
   std::vector<PointLight> points{};
   double turn_rad = 0;
   int max_bounces = 8, spp = 100, size_px = 48;
+  bool subsurface = false;
 };
 
 struct Comparison {
@@ -167,6 +168,7 @@ Comparison compare(const Ladder& ladder) {
   scene.turn_rad = ladder.turn_rad;
   scene.size_px = ladder.size_px;
   scene.max_bounces = ladder.max_bounces;
+  scene.subsurface = ladder.subsurface;
   scene.passes = {{ladder.spp, cycles_seeds(1, kSeeds), {}}};
   write_cycles_scene(folder.path(), scene);
   Comparison result;
@@ -182,6 +184,7 @@ Comparison compare(const Ladder& ladder) {
   settings.size_px = ladder.size_px;
   settings.spp = ladder.spp;
   settings.max_bounces = ladder.max_bounces;
+  settings.subsurface = ladder.subsurface;
   settings.first_sample_at_centre = true;
   for (int k = 0; k < kSeeds; ++k) {
     settings.seed = 1000 + k;
@@ -310,6 +313,66 @@ TEST(CyclesLadder, NormalMapHighlightsOnly) {
   set.specular = constant_map(1, {0.4f});
   set.roughness = constant_map(1, {0.3f});
   expect_equal({ball(set), constant_environment()});
+}
+
+Ladder subsurface_ball(const TextureSet& set, float bumps, const Environment& environment) {
+  Ladder ladder{ball(set, bumps), environment};
+  ladder.subsurface = true;
+  return ladder;
+}
+
+TEST(CyclesLadder, SubsurfaceBallConstantLight) {
+  TextureSet set = plain_set();
+  set.sss = constant_map(1, {0.5f});
+  expect_equal(subsurface_ball(set, 0, constant_environment()));
+}
+
+// Free paths of the size of the bumps: light goes through them.
+TEST(CyclesLadder, SubsurfaceBumpyBallInTheSun) {
+  TextureSet set = plain_set();
+  set.sss = constant_map(1, {4.0f});
+  expect_equal(subsurface_ball(set, 0.3f, sunny_environment()));
+}
+
+TEST(CyclesLadder, SubsurfaceUnderHighlights) {
+  TextureSet set = plain_set();
+  set.sss = constant_map(1, {0.3f});
+  set.specular = constant_map(1, {0.45f});
+  set.roughness = constant_map(1, {0.4f});
+  expect_equal(subsurface_ball(set, 0.3f, uneven_environment()));
+}
+
+// Subsurface here, none there, and normals that the walks' ends ask for where they come out.
+TEST(CyclesLadder, SubsurfaceMapsAndNormalMap) {
+  TextureSet set = plain_set();
+  set.albedo = noise_map(3, 0.05f, 0.95f, 5);
+  set.sss = noise_map(1, -0.5f, 0.5f, 11);
+  for (float& v : set.sss.values) v = v < 0 ? 0.0f : v + 0.1f;
+  set.normal = noise_normals(0.7f, 8);
+  set.specular = noise_map(1, 0, 0.6f, 6);
+  set.roughness = noise_map(1, 0.2f, 1, 7);
+  expect_equal(subsurface_ball(set, 0, uneven_environment()));
+}
+
+TEST(CyclesLadder, SubsurfacePointLight) {
+  TextureSet set = plain_set();
+  set.sss = constant_map(1, {0.5f});
+  Ladder ladder = subsurface_ball(set, 0.3f, {});
+  ladder.points = {{"a", {30, 40, 30}, 1.5f}};
+  expect_equal(ladder);
+}
+
+// A sheet thinner than a free path, seen from both sides.
+TEST(CyclesLadder, SubsurfaceThinSheet) {
+  TextureSet set = plain_set();
+  set.sss = constant_map(1, {1.0f});
+  Model model;
+  model.sets = {set};
+  add_card(model, 0, {0, 10, 0}, 8);
+  add_card(model, 0, {0, 10, -0.2f}, 8);
+  Ladder ladder{model, sunny_environment()};
+  ladder.subsurface = true;
+  expect_equal(ladder);
 }
 
 TEST(CyclesLadder, CutOutCards) {

@@ -1,0 +1,120 @@
+// Walks under the surface against the numbers of Cycles 3.4.1, a one-dimensional model and invariants.
+#include "renderer/subsurface.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "renderer/render.h"
+#include "tests/support/test_models.h"
+
+namespace ohb {
+namespace {
+
+Environment white_environment() {
+  Environment environment;
+  environment.name = "white";
+  environment.radiance = constant_radiance({1, 1, 1});
+  return environment;
+}
+
+double mean_of(const Image& image, int channel) {
+  double sum = 0;
+  for (size_t i = static_cast<size_t>(channel); i < image.values.size(); i += image.channels)
+    sum += image.values[i];
+  return sum / (static_cast<double>(image.values.size()) / image.channels);
+}
+
+Camera narrow_camera(float center_y_cm) {
+  Camera camera;
+  camera.center_y_cm = center_y_cm;
+  camera.distance_cm = 100;
+  camera.half_width = 0.01f;
+  return camera;
+}
+
+TestMaterial subsurface_material(Vec3f albedo) {
+  TestMaterial material;
+  material.albedo = albedo;
+  material.specular = 0;
+  material.roughness = 0;
+  material.sss = 1;
+  return material;
+}
+
+// Mean free path by radius, renderer reference table of Cycles 3.4.1 (measured): the staircase, not the root.
+TEST(Subsurface, MeanFreePathIsCyclesStaircase) {
+  EXPECT_NEAR(mean_free_path_a_radius(0.2f), 0.7485, 5e-5);
+  EXPECT_NEAR(mean_free_path_a_radius(0.5f), 0.2582, 5e-5);
+  EXPECT_NEAR(mean_free_path_a_radius(0.8f), 0.0716, 5e-5);
+  EXPECT_NEAR(mean_free_path_a_radius(0.9f), 0.0271, 5e-5);
+  EXPECT_EQ(mean_free_path_a_radius(0.9f), mean_free_path_a_radius(0.95f));
+  EXPECT_NEAR(mean_free_path_a_radius(1.0f), 0.00174, 5e-6);
+  EXPECT_NEAR(mean_free_path_a_radius(0.0f), std::sqrt(3.0), 1e-6);
+}
+
+// The same twelve steps, with their exponentials.
+TEST(Subsurface, TreeEqualsTheBisectionThatItStandsFor) {
+  const float fdr = -1.440f / (1.4f * 1.4f) + 0.710f / 1.4f + 0.668f + 0.0636f * 1.4f;
+  const float a = 4.0f / 3.0f * (1 + fdr) / (1 - fdr);
+  for (int i = 1; i < 2000; ++i) {
+    const float colour = static_cast<float>(i) / 2011.0f;
+    float low = 0, high = 1, middle = 0;
+    for (int step = 0; step < 12; ++step) {
+      middle = 0.5f * (low + high);
+      const float s = std::sqrt(3 * (1 - middle));
+      (0.5f * middle * (1 + std::exp(-a * s)) * std::exp(-s) < colour ? low : high) = middle;
+    }
+    ASSERT_EQ(mean_free_path_a_radius(colour), std::sqrt(3 * (1 - middle))) << colour;
+  }
+}
+
+TEST(Subsurface, SingleScatteringAlbedo) {
+  EXPECT_NEAR(single_scattering_albedo(0.2f), 0.6134, 1e-4);
+  EXPECT_NEAR(single_scattering_albedo(0.5f), 0.9137, 1e-4);
+  EXPECT_NEAR(single_scattering_albedo(0.8f), 0.9918, 1e-4);
+  EXPECT_EQ(single_scattering_albedo(0.93f), 0.999999f);
+  EXPECT_EQ(single_scattering_albedo(0), 0);
+}
+
+// Reflectance of a half-space in Cycles' model, times 41/42 of the exit lobe. From colour .92 on every medium
+// has the same albedo and differs in nothing but scale: the cut at 256 segments is what keeps it from 1.
+TEST(Subsurface, FurnaceOnAHalfSpace) {
+  RenderSettings settings;
+  settings.size_px = 64;
+  settings.spp = 256;
+  const auto furnace = [&](Vec3f albedo) {
+    const auto scene = build_scene(plane_model(1000, constant_set(subsurface_material(albedo))));
+    const auto images =
+        render_lights(*scene, *prepare_lights({white_environment()}, {}), narrow_camera(500), 0, settings);
+    const Image& image = images[0].radiance;
+    return Vec3f{static_cast<float>(mean_of(image, 0)), static_cast<float>(mean_of(image, 1)),
+                 static_cast<float>(mean_of(image, 2))};
+  };
+  constexpr float kExit = 41.0f / 42.0f;
+  const Vec3f low = furnace({0.2f, 0.5f, 0.8f});
+  EXPECT_NEAR(low.x, 0.2018 * kExit, 1e-3);
+  EXPECT_NEAR(low.y, 0.5046 * kExit, 1e-3);
+  EXPECT_NEAR(low.z, 0.810 * kExit, 1e-3);
+  for (const float colour : {0.95f, 1.0f})
+    EXPECT_NEAR(furnace({colour, colour, colour}).x, 0.9185 * kExit, 1e-3) << colour;
+  EXPECT_EQ(furnace({0.5f, 0.5f, 0}).z, 0);
+}
+
+TEST(Subsurface, SwitchedOffItIsDiffuse) {
+  TestMaterial with = subsurface_material({0.6f, 0.4f, 0.2f}), without = with;
+  without.sss = 0;
+  RenderSettings settings;
+  settings.size_px = 16;
+  settings.spp = 16;
+  settings.subsurface = false;
+  const auto lights = prepare_lights({white_environment()}, {});
+  const auto a = render_lights(*build_scene(plane_model(1000, constant_set(with))), *lights,
+                               narrow_camera(500), 0, settings);
+  const auto b = render_lights(*build_scene(plane_model(1000, constant_set(without))), *lights,
+                               narrow_camera(500), 0, settings);
+  EXPECT_EQ(a[0].radiance.values, b[0].radiance.values);
+}
+
+}  // namespace
+}  // namespace ohb
