@@ -7,11 +7,9 @@
 namespace ohb {
 namespace {
 
-// Radiance at texel (x, y), wrapped on both axes as Cycles does.
-size_t wrapped(int x, int y, int width, int height) {
-  x = (x + width) % width;
-  y = cycles::kEnvironmentWrapsPoles ? (y + height) % height : std::clamp(y, 0, height - 1);
-  return static_cast<size_t>(y) * width + x;
+// i in [-1, n] into [0, n).
+int wrapped(int i, int n) {
+  return i < 0 ? i + n : i >= n ? i - n : i;
 }
 
 }  // namespace
@@ -42,61 +40,71 @@ EnvironmentLight::EnvironmentLight(const Environment& environment)
       height_px_(environment.radiance.height_px) {
   const std::vector<float>& v = environment.radiance.values;
   texels_.resize(v.size() / 3);
-  for (size_t i = 0; i < texels_.size(); ++i) texels_[i] = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
-
-  // The mean of the bilinear lookup over a cell: wherever light comes from, the pdf is above zero.
-  static constexpr double kCellMean[3] = {0.125, 0.75, 0.125};
   std::vector<double> row_weights(height_px_);
   for (int y = 0; y < height_px_; ++y) {
-    std::vector<double> weights(width_px_, 0.0);
-    for (int x = 0; x < width_px_; ++x)
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx)
-          weights[x] += kCellMean[dx + 1] * kCellMean[dy + 1] *
-                        mean(texels_[wrapped(x + dx, y + dy, width_px_, height_px_)]);
+    const double sine = std::sin(kPi * (y + 0.5) / height_px_);
+    std::vector<double> weights(width_px_);
+    for (int x = 0; x < width_px_; ++x) {
+      const size_t i = static_cast<size_t>(y) * width_px_ + x;
+      texels_[i].radiance = {v[3 * i], v[3 * i + 1], v[3 * i + 2]};
+      weights[x] = mean(texels_[i].radiance);
+      texels_[i].density = static_cast<float>(weights[x] * sine);
+    }
     columns_.emplace_back(weights);
-    row_weights[y] = columns_.back().total() * std::sin(kPi * (y + 0.5) / height_px_);
+    row_weights[y] = columns_.back().total() * sine;
   }
   rows_ = PiecewiseConstant(row_weights);
+  // Density per (u, v), then per solid angle: du dv = domega / (2 pi^2 sin theta).
+  const double cells = static_cast<double>(width_px_) * height_px_;
+  const double scale = rows_.total() > 0 ? cells / (rows_.total() * 2 * M_PI * M_PI) : 0;
+  for (Texel& texel : texels_) texel.density *= static_cast<float>(scale);
 }
 
-Vec3f EnvironmentLight::lookup(Vec2f uv) const {
+EnvironmentValue EnvironmentLight::lookup(Vec2f uv, float sin_theta) const {
   const float x = uv.x * static_cast<float>(width_px_) - 0.5f,
               y = uv.y * static_cast<float>(height_px_) - 0.5f;
-  const int x0 = static_cast<int>(std::floor(x)), y0 = static_cast<int>(std::floor(y));
-  const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-  const auto at = [&](int dx, int dy) { return texels_[wrapped(x0 + dx, y0 + dy, width_px_, height_px_)]; };
-  return (1 - fy) * ((1 - fx) * at(0, 0) + fx * at(1, 0)) + fy * ((1 - fx) * at(0, 1) + fx * at(1, 1));
+  const float x0f = std::floor(x), y0f = std::floor(y);
+  const float fx = x - x0f, fy = y - y0f;
+  const int x0 = wrapped(static_cast<int>(x0f), width_px_),
+            x1 = wrapped(static_cast<int>(x0f) + 1, width_px_);
+  int y0 = static_cast<int>(y0f), y1 = y0 + 1;
+  if (cycles::kEnvironmentWrapsPoles)
+    y0 = wrapped(y0, height_px_), y1 = wrapped(y1, height_px_);
+  else
+    y0 = std::max(y0, 0), y1 = std::min(y1, height_px_ - 1);
+  const Texel* row0 = &texels_[static_cast<size_t>(y0) * width_px_];
+  const Texel* row1 = &texels_[static_cast<size_t>(y1) * width_px_];
+  EnvironmentValue value;
+  const auto gather = [&](const Texel& texel, float weight) {
+    value.radiance += weight * texel.radiance;
+    value.pdf += weight * texel.density;
+  };
+  gather(row0[x0], (1 - fx) * (1 - fy));
+  gather(row0[x1], fx * (1 - fy));
+  gather(row1[x0], (1 - fx) * fy);
+  gather(row1[x1], fx * fy);
+  value.pdf /= std::fmax(sin_theta, 1e-6f);
+  return value;
 }
 
-Vec3f EnvironmentLight::radiance(Vec3f direction) const {
-  return lookup(environment_uv(direction));
-}
-
-// A cell is sampled uniformly in (u, v): density per solid angle = p n / (2 pi^2 sin theta).
-float EnvironmentLight::pdf_of_cell(int x, int y, float sin_theta) const {
-  const float cells = static_cast<float>(width_px_) * static_cast<float>(height_px_);
-  return rows_.probability(y) * columns_[y].probability(x) * cells /
-         (2 * kPi * kPi * std::fmax(sin_theta, 1e-6f));
-}
-
-float EnvironmentLight::pdf(Vec3f direction) const {
-  const Vec2f uv = environment_uv(direction);
-  const int x = std::clamp(static_cast<int>(uv.x * static_cast<float>(width_px_)), 0, width_px_ - 1);
-  const int y = std::clamp(static_cast<int>(uv.y * static_cast<float>(height_px_)), 0, height_px_ - 1);
-  return pdf_of_cell(x, y, std::hypot(direction.x, direction.z));
+EnvironmentValue EnvironmentLight::at(Vec3f direction) const {
+  return lookup(environment_uv(direction), std::hypot(direction.x, direction.z));
 }
 
 LightSample EnvironmentLight::sample(float u1, float u2) const {
   float rest_x, rest_y;
   const int y = rows_.sample(u1, rest_y);
   const int x = columns_[y].sample(u2, rest_x);
-  const Vec2f uv{(static_cast<float>(x) + rest_x) / static_cast<float>(width_px_),
-                 (static_cast<float>(y) + rest_y) / static_cast<float>(height_px_)};
+  Vec2f uv{(static_cast<float>(x) + 0.5f + sample_tent(rest_x)) / static_cast<float>(width_px_),
+           (static_cast<float>(y) + 0.5f + sample_tent(rest_y)) / static_cast<float>(height_px_)};
+  // Half a tent hangs over the border: on the other side of the map, as in the lookup.
+  uv = {uv.x - std::floor(uv.x), uv.y - std::floor(uv.y)};
   LightSample sample;
-  sample.wi = environment_direction(uv);
-  sample.pdf = pdf_of_cell(x, y, std::sin(kPi * uv.y));
-  sample.radiance = lookup(uv);
+  const SineCosine phi = sine_cosine_of_turns(uv.x - 0.5f), theta = sine_cosine_of_turns(0.5f * uv.y);
+  sample.wi = {theta.sine * phi.cosine, theta.cosine, theta.sine * phi.sine};  // environment_direction(uv)
+  const EnvironmentValue value = lookup(uv, theta.sine);
+  sample.pdf = value.pdf;
+  sample.radiance = value.radiance;
   return sample;
 }
 

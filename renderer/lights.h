@@ -40,24 +40,34 @@ struct LightSample {
   float pdf = 0;  // in solid angle; 0: none
 };
 
-/// A latitude-longitude map, bilinear as Cycles looks it up, sampled by the mean of RGB over each texel's
-/// cell.
+/// What an environment sends from one direction, and how likely `sample` goes there (in solid angle).
+struct EnvironmentValue {
+  Vec3f radiance;
+  float pdf = 0;
+};
+
+/// A latitude-longitude map, bilinear as Cycles looks it up. Sampled exactly by the bilinear function of mean
+/// RGB (times the sine of each row): a bilinear map is a sum of tents, one a texel, so a texel is drawn from
+/// a table and a place in its tent by the tent's inverse.
 class EnvironmentLight {
  public:
   explicit EnvironmentLight(const Environment& environment);
 
-  Vec3f radiance(Vec3f direction) const;
-  float pdf(Vec3f direction) const;
+  /// Radiance and pdf of a unit direction, world frame: one gather of four texels.
+  EnvironmentValue at(Vec3f direction) const;
   LightSample sample(float u1, float u2) const;
   const std::string& name() const { return name_; }
 
  private:
-  Vec3f lookup(Vec2f uv) const;
-  float pdf_of_cell(int x, int y, float sin_theta) const;
+  struct alignas(16) Texel {
+    Vec3f radiance;
+    float density;  // of `sample` in solid angle, times the sine of the direction's polar angle
+  };
+  EnvironmentValue lookup(Vec2f uv, float sin_theta) const;
 
   std::string name_;
   int width_px_, height_px_;
-  std::vector<Vec3f> texels_;
+  std::vector<Texel> texels_;
   PiecewiseConstant rows_;
   std::vector<PiecewiseConstant> columns_;  // one a row
 };

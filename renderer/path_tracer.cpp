@@ -21,7 +21,9 @@ namespace ohb {
 namespace {
 
 constexpr int kTile_px = 16;
-constexpr int kRouletteFromBounce = 2;  // Cycles: the continuation test starts at the third surface
+constexpr int kCandidates = 4;               // directions of an environment that compete for a shadow ray
+constexpr float kLatticeStep = 0.61803399f;  // golden section: a lattice of any size is even
+constexpr int kRouletteFromBounce = 2;       // Cycles: the continuation test starts at the third surface
 
 struct TileResult {
   RayCounts rays;
@@ -41,6 +43,10 @@ struct PathContext {
   Vec3f to_subject(Vec3f v) const { return v.x * turn_x + Vec3f{0, v.y, 0} + v.z * turn_z; }
 };
 
+float fraction_of(float x) {
+  return x - std::floor(x);
+}
+
 void add(Vec3f contribution, Vec3f& sum, TileResult& tile) {
   if (is_finite(contribution))
     sum += contribution;
@@ -48,24 +54,56 @@ void add(Vec3f contribution, Vec3f& sum, TileResult& tile) {
     ++tile.nonfinite;
 }
 
+/// One shadow ray to one of several directions that the environment suggests, chosen by what each would
+/// bring if it is not shadowed (resampled importance sampling, Talbot et al. 2005, equation 6). The
+/// candidates are a lattice shifted by u, so that they spread over the light.
+template <bool kCutouts>
+void sample_environment(const PathContext& c, const EnvironmentLight& light, const SurfacePoint& point,
+                        const PrincipledV1& bsdf, Vec3f throughput, Vec2f u, float u_choice, TileResult& tile,
+                        Vec3f& radiance) {
+  float sum = 0;
+  Vec3f chosen_wi, chosen_value;
+  float chosen_weight = 0;
+  for (int k = 0; k < kCandidates; ++k) {
+    const float kf = static_cast<float>(k);
+    const LightSample sample = light.sample(fraction_of(u.x + kf / static_cast<float>(kCandidates)),
+                                            fraction_of(u.y + kf * kLatticeStep));
+    if (!(sample.pdf > 0) || !(max_component(sample.radiance) > 0)) continue;
+    const Vec3f wi = c.to_subject(sample.wi);
+    const BsdfValue f = bsdf.eval(wi);
+    if (!(max_component(f.value) > 0)) continue;
+    const Vec3f value =
+        throughput * f.value * sample.radiance * (power_heuristic(sample.pdf, f.pdf) / sample.pdf);
+    const float weight = mean(value);
+    sum += weight;
+    // The choice stays uniform after each candidate: one number serves all.
+    const float share = weight / sum;
+    if (u_choice < share) {
+      u_choice /= share;
+      chosen_wi = wi;
+      chosen_value = value;
+      chosen_weight = weight;
+    } else {
+      u_choice = (u_choice - share) / (1 - share);
+    }
+  }
+  if (!(chosen_weight > 0)) return;
+  const Ray ray{ray_origin(c.scene, point.position, point.ng, chosen_wi), chosen_wi};
+  const float visible =
+      transmittance<kCutouts>(c.scene, ray, std::numeric_limits<float>::infinity(), tile.rays);
+  if (visible > 0)
+    add(chosen_value * (visible * sum / (chosen_weight * static_cast<float>(kCandidates))), radiance, tile);
+}
+
 template <bool kCutouts>
 void sample_lights(const PathContext& c, const SurfacePoint& point, const PrincipledV1& bsdf,
                    Vec3f throughput, PathSampler& sampler, TileResult& tile, std::vector<Vec3f>& radiance) {
-  // One pair of numbers for all lights: each light's image is unbiased by itself.
+  // One set of numbers for all lights: each light's image is unbiased by itself.
   const Vec2f u = sampler.next_pair();
-  for (size_t l = 0; l < c.lights.environments.size(); ++l) {
-    const LightSample light = c.lights.environments[l].sample(u.x, u.y);
-    if (!(light.pdf > 0) || !(max_component(light.radiance) > 0)) continue;
-    const Vec3f wi = c.to_subject(light.wi);
-    const BsdfValue f = bsdf.eval(wi);
-    if (!(max_component(f.value) > 0)) continue;
-    const Ray ray{ray_origin(c.scene, point.position, point.ng, wi), wi};
-    const float visible =
-        transmittance<kCutouts>(c.scene, ray, std::numeric_limits<float>::infinity(), tile.rays);
-    if (visible > 0)
-      add(throughput * f.value * light.radiance * (visible * power_heuristic(light.pdf, f.pdf) / light.pdf),
-          radiance[l], tile);
-  }
+  const float u_choice = sampler.random.next();
+  for (size_t l = 0; l < c.lights.environments.size(); ++l)
+    sample_environment<kCutouts>(c, c.lights.environments[l], point, bsdf, throughput, u, u_choice, tile,
+                                 radiance[l]);
   for (size_t i = 0; i < c.lights.points.size(); ++i) {
     const PointLight& light = c.lights.points[i];
     const Vec3f to_light = turn_about_y(light.position_cm, -c.turn_rad) - point.position;
@@ -87,8 +125,8 @@ void add_environments(const PathContext& c, Vec3f direction, float bsdf_pdf, Vec
   const Vec3f world = c.to_world(direction);
   for (size_t l = 0; l < c.lights.environments.size(); ++l) {
     const EnvironmentLight& light = c.lights.environments[l];
-    const float weight = power_heuristic(bsdf_pdf, light.pdf(world));
-    add(throughput * light.radiance(world) * weight, radiance[l], tile);
+    const EnvironmentValue value = light.at(world);
+    add(throughput * value.radiance * power_heuristic(bsdf_pdf, value.pdf), radiance[l], tile);
   }
 }
 

@@ -64,12 +64,13 @@ class RandomWalk {
       const float decay_cm = lobes_[channel_].nu / medium_.sigma_t_per_cm[channel_];
       backward_ = 1 / (1 + std::exp(std::min(80.0f, (thickness_cm_ - 2 * depth_cm) / decay_cm)));
     }
-    const float u_strategy = random.next(), u = random.next(), phi = 2 * kPi * random.next();
+    const float u_strategy = random.next(), u = random.next(), u_phi = random.next();
     float side = 0;
     if (u_strategy < kGuidedShare) side = u_strategy < kGuidedShare * backward_ ? -1.0f : 1.0f;
     const float mu = side == 0 ? 1 - 2 * u : side * std::clamp(lobes_[channel_].sample(u), -1.0f, 1.0f);
     const float sine = std::sqrt(std::max(0.0f, 1 - mu * mu));
-    direction = Frame(n_).to_world({sine * std::cos(phi), sine * std::sin(phi), mu});
+    const SineCosine phi = sine_cosine_of_turns(u_phi);
+    direction = Frame(n_).to_world({sine * phi.cosine, sine * phi.sine, mu});
     mu_ = mu;
     return length(random, side * mu);
   }

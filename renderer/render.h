@@ -28,12 +28,12 @@ struct PixelBox {
 };
 
 struct RenderSettings {
-  int size_px = 512;     // square image
-  int spp = 256;         // paths a pixel, each serving every light
-  uint64_t seed = 1;     // of this image; equal seeds give equal bits
-  int max_bounces = 32;  // indirect generations; the last ray still sees the environments
+  int size_px = 512;       // square image
+  int spp = 256;           // paths a pixel, each serving every light
+  uint64_t seed = 1;       // of this image; equal seeds give equal bits
+  int max_bounces = 32;    // indirect generations; the last ray still sees the environments
   bool subsurface = true;  // false: skin reflects diffusely instead
-  int map_grid = 8;      // the maps average map_grid x map_grid points a pixel
+  int map_grid = 8;        // the maps average map_grid x map_grid points a pixel
   /// Cycles sends sample 0 of each pixel through the centre; set it to equal Cycles at the same spp.
   bool first_sample_at_centre = false;
   /// Only these pixels of the lights' images, the others stay 0; empty: all. Does not change what a pixel is.
@@ -55,7 +55,7 @@ struct RenderStatistics {
   uint64_t shadow_rays = 0;
   uint64_t walks = 0;          // under the surface
   uint64_t walk_segments = 0;  // their rays
-  uint64_t nonfinite = 0;  // contributions that were NaN or infinite and left out
+  uint64_t nonfinite = 0;      // contributions that were NaN or infinite and left out
   double seconds = 0;
   std::vector<RecordedRay>* record = nullptr;  // if set, receives every query, tile by tile
 };

@@ -55,14 +55,18 @@ TEST(EnvironmentLight, SamplerFollowsItsPdf) {
   for (const float sun : {1.f, 10.f, 100.f, 1e4f}) {
     constexpr int kRows = 32, kColumns = 64, kCount = 1000000;
     const EnvironmentLight light(environment_of(random_radiance(kRows, 3, sun)));
-    // pdf sin(theta) is constant over a texel, so that its value at the centre gives the texel's probability.
+    // pdf sin(theta) is bilinear over a quarter of a texel: its value at the centre of each gives the
+    // texel's probability.
     std::vector<double> expected(kRows * kColumns), observed(kRows * kColumns, 0.0);
     double integral = 0;
     for (int y = 0; y < kRows; ++y)
       for (int x = 0; x < kColumns; ++x) {
-        const Vec3f d = environment_direction({(x + 0.5f) / kColumns, (y + 0.5f) / kRows});
-        expected[y * kColumns + x] =
-            light.pdf(d) * std::sin(M_PI * (y + 0.5) / kRows) * 2 * M_PI * M_PI / (kRows * kColumns);
+        for (int quarter = 0; quarter < 4; ++quarter) {
+          const float u = (x + 0.25f + 0.5f * (quarter & 1)) / kColumns,
+                      v = (y + 0.25f + 0.5f * (quarter >> 1)) / kRows;
+          expected[y * kColumns + x] += 0.25 * light.at(environment_direction({u, v})).pdf *
+                                        std::sin(M_PI * v) * 2 * M_PI * M_PI / (kRows * kColumns);
+        }
         integral += expected[y * kColumns + x];
       }
     EXPECT_NEAR(integral, 1, 1e-4) << sun;
@@ -71,7 +75,7 @@ TEST(EnvironmentLight, SamplerFollowsItsPdf) {
     for (int n = 0; n < kCount; ++n) {
       const float u1 = random.next(), u2 = random.next();
       const LightSample s = light.sample(u1, u2);
-      if (std::fabs(s.pdf - light.pdf(s.wi)) > 2e-3f * s.pdf) ++across_a_border;
+      if (std::fabs(s.pdf - light.at(s.wi).pdf) > 2e-3f * s.pdf) ++across_a_border;
       const Vec2f uv = environment_uv(s.wi);
       ++observed[std::min(kRows - 1, static_cast<int>(uv.y * kRows)) * kColumns +
                  std::min(kColumns - 1, static_cast<int>(uv.x * kColumns))];
@@ -88,7 +92,7 @@ TEST(EnvironmentLight, SamplesIntegrateTheMap) {
   for (int j = 0; j < kRows; ++j)
     for (int i = 0; i < 2 * kRows; ++i) {
       const Vec2f uv{(i + 0.5f) / (2 * kRows), (j + 0.5f) / kRows};
-      brute += mean(light.radiance(environment_direction(uv))) * std::sin(M_PI * uv.y) * 2 * M_PI * M_PI /
+      brute += mean(light.at(environment_direction(uv)).radiance) * std::sin(M_PI * uv.y) * 2 * M_PI * M_PI /
                (2.0 * kRows * kRows);
     }
   Random random(1, 2, 3);
@@ -115,8 +119,8 @@ TEST(EnvironmentLight, LightComesOnlyFromWhereThePdfIsPositive) {
   for (int i = 0; i < 200000; ++i) {
     const float u1 = random.next(), u2 = random.next();
     const Vec3f d = environment_direction({u1, u2});
-    if (max_component(light.radiance(d)) > 0) {
-      EXPECT_GT(light.pdf(d), 0);
+    if (max_component(light.at(d).radiance) > 0) {
+      EXPECT_GT(light.at(d).pdf, 0);
     }
   }
 }

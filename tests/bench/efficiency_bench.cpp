@@ -1,0 +1,56 @@
+// What a renderer's minute buys: 1 / (mean squared error x processor time), of one view without loading.
+// usage: efficiency_bench MODEL E.exr [SPP [SIZE_PX]]
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "renderer/render.h"
+
+namespace {
+
+double processor_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace ohb;
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: efficiency_bench MODEL E.exr [SPP [SIZE_PX]]\n");
+    return 2;
+  }
+  constexpr int kSeeds = 8;
+  const Model model = read_model(argv[1]);
+  const auto scene = build_scene(model);
+  const auto lights = prepare_lights({read_environment(argv[2])}, {});
+  RenderSettings settings;
+  settings.spp = argc > 3 ? std::atoi(argv[3]) : 16;
+  settings.size_px = argc > 4 ? std::atoi(argv[4]) : 256;
+  std::vector<Image> images;
+  const double start = processor_seconds();
+  RenderStatistics statistics;
+  for (int k = 0; k < kSeeds; ++k) {
+    settings.seed = static_cast<uint64_t>(k) + 1;
+    images.push_back(
+        render_lights(*scene, *lights, fit_camera(model.positions_cm), 0, settings, &statistics)[0].radiance);
+  }
+  const double seconds = (processor_seconds() - start) / kSeeds;
+  double error = 0, square = 0;
+  for (size_t i = 0; i < images[0].values.size(); ++i) {
+    double sum = 0, squares = 0;
+    for (const Image& image : images)
+      sum += image.values[i], squares += double{image.values[i]} * image.values[i];
+    error += (squares - sum * sum / kSeeds) / (kSeeds - 1);
+    square += sum * sum / kSeeds / kSeeds;
+  }
+  std::printf("relative MSE %.4e  processor %.3f s an image  efficiency %.4g  rays a path %.2f\n",
+              error / square, seconds, square / (error * seconds),
+              static_cast<double>(statistics.closest_hit_rays + statistics.shadow_rays) /
+                  static_cast<double>(statistics.paths));
+  return 0;
+}
