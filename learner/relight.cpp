@@ -87,7 +87,6 @@ std::vector<std::string> arguments_of(const RelightOptions& o, const fs::path& r
 class Listener {
  public:
   void hear(const std::string& line) {
-    throw_if_interrupted();
     // Not at the line's start only: Blender's own text may stand before it without a line break.
     if (const size_t at = line.find(kVoice); at != std::string::npos) {
       std::string words = line.substr(at + kVoice.size());

@@ -1,24 +1,24 @@
 #include "dataset/model/process.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <csignal>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
-#include <memory>
 
 #include "dataset/model/error.h"
+#include "dataset/model/interrupt.h"
 
 namespace ohb {
 namespace {
 
 constexpr size_t kKeptLines = 40;
 constexpr int kNotStarted = 127;
+constexpr int kWake_ms = 100;
 
 /// Ends and reaps the child unless it was waited for.
 class Child {
@@ -75,8 +75,42 @@ std::vector<std::string> child_environment(const std::vector<std::pair<std::stri
   _exit(kNotStarted);
 }
 
-struct FileCloser {
-  void operator()(std::FILE* file) const { std::fclose(file); }
+/// Lines of a pipe's end, without their line breaks. Wakes up now and then to notice signals of ours, which a
+/// program that prints nothing for minutes would hide.
+class LineReader {
+ public:
+  explicit LineReader(int end) : end_(end) {}
+  ~LineReader() { close(end_); }
+  LineReader(const LineReader&) = delete;
+  LineReader& operator=(const LineReader&) = delete;
+
+  /// False at the end of the output.
+  bool next(std::string& line) {
+    size_t length = 0;
+    while ((length = text_.find('\n')) == std::string::npos && !closed_) fill();
+    if (length == std::string::npos && text_.empty()) return false;
+    line = text_.substr(0, length);
+    text_.erase(0, length == std::string::npos ? length : length + 1);
+    while (!line.empty() && line.back() == '\r') line.pop_back();
+    return true;
+  }
+
+ private:
+  void fill() {
+    throw_if_interrupted();
+    pollfd waiting{end_, POLLIN, 0};
+    if (poll(&waiting, 1, kWake_ms) <= 0) return;  // nothing yet, or a signal
+    char bytes[4096];
+    const ssize_t count = read(end_, bytes, sizeof bytes);
+    if (count > 0)
+      text_.append(bytes, static_cast<size_t>(count));
+    else if (count == 0 || errno != EINTR)
+      closed_ = true;
+  }
+
+  int end_;
+  bool closed_ = false;
+  std::string text_;
 };
 
 }  // namespace
@@ -93,21 +127,16 @@ ProcessResult run_process(const std::vector<std::string>& arguments,
   const pid_t parent = getpid(), id = fork();
   if (id == 0) become(ends[1], parent, argument_list.data(), variable_list.data());
   close(ends[1]);
-  std::unique_ptr<std::FILE, FileCloser> output(fdopen(ends[0], "r"));
+  LineReader output(ends[0]);
   if (id < 0)
     throw TryAgainError(arguments[0], std::string("cannot be started: ") + std::strerror(errno),
                         "run the command again");
   Child child(id);
   ProcessResult result;
-  char* line = nullptr;
-  size_t capacity = 0;
-  const std::unique_ptr<char*, void (*)(char**)> free_line(&line, [](char** text) { std::free(*text); });
-  for (ssize_t length; (length = getline(&line, &capacity, output.get())) > 0;) {
-    std::string text(line, static_cast<size_t>(length));
-    while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
+  for (std::string line; output.next(line);) {
     if (result.last_lines.size() == kKeptLines) result.last_lines.erase(result.last_lines.begin());
-    result.last_lines.push_back(text);
-    if (on_line) on_line(text);
+    result.last_lines.push_back(line);
+    if (on_line) on_line(line);
   }
   result.exit_code = child.wait();
   if (result.exit_code == kNotStarted && result.last_lines.empty())

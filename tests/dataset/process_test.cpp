@@ -5,6 +5,8 @@
 
 #include <chrono>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace ohb {
 namespace {
@@ -17,6 +19,13 @@ TEST(Process, GivesLinesExitCodeAndEnvironment) {
   EXPECT_EQ(lines, (std::vector<std::string>{"one", "two"}));
   EXPECT_EQ(result.last_lines, lines);
   EXPECT_EQ(run_process({"sh", "-c", "kill -9 $$"}, {}, nullptr).exit_code, 128 + 9);
+}
+
+TEST(Process, LinesOfAnyLengthComeWhole) {
+  std::vector<std::string> lines;
+  run_process({"sh", "-c", "printf 'a\\r\\n\\n'; head -c 100000 /dev/zero | tr '\\0' x; printf '\\nend'"}, {},
+              [&](const std::string& line) { lines.push_back(line); });
+  EXPECT_EQ(lines, (std::vector<std::string>{"a", "", std::string(100000, 'x'), "end"}));
 }
 
 TEST(Process, IsEndedWhenTheReaderThrows) {

@@ -1,6 +1,8 @@
 // humanmaterial relight from outside: the picture, the words of what it refuses, and that nothing stays.
 #include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "dataset/model/image.h"
 #include "test_maps_folder.h"
@@ -97,6 +99,22 @@ TEST(Relight, NamesABlenderThatIsNone) {
   expect_refusal(folder, with(folder / "nowhere"), {"nowhere", "was not found", "--blender"});
   expect_refusal(folder, with(script(folder, "hello", "echo hello")), {"hello", "does not answer"});
   expect_refusal(folder, with(script(folder, "old", "echo Blender 3.3.9")), {"Blender 3.3.9", "3.4"});
+}
+
+TEST(Relight, ASignalStopsASilentBlenderAtOnce) {
+  TemporaryFolder folder;
+  const fs::path started = folder / "started";
+  const std::string blender = script(folder, "blender",
+                                     "[ $1 = --version ] && exec echo Blender 4.2.1\n"
+                                     "touch '" +
+                                         started.string() + "'; exec sleep 60");
+  Program program(folder, {"relight", folder / "maps", "--blender", blender, "-o", folder / "relit.png"});
+  for (int i = 0; i < 600 && !fs::exists(started); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  const auto start = std::chrono::steady_clock::now();
+  program.send(SIGTERM);
+  EXPECT_EQ(program.wait().code, 75);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
 }
 
 TEST(Relight, ExitCodesPassThrough) {
