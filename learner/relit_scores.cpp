@@ -61,6 +61,7 @@ std::vector<Tensor> relit(const MaterialMaps& maps, const Tensor& mask, const Ca
   settings.size_px = static_cast<int>(mask.size(3));
   settings.spp = spp;
   settings.seed = kSeed;
+  settings.subsurface = false;  // an open sheet has no inside: walks would leave through its missing back
   settings.crop = box_of(mask);
   const auto scene = build_scene(relief_of(maps, mask, camera, half_frame_cm));
   const auto images = render_lights(*scene, lights, camera, 0, settings);
