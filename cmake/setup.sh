@@ -1,12 +1,16 @@
 # Shared by ./demo and ./test: says what it does, installs packages, builds a preset.
 # shellcheck shell=bash
 
+# humanmaterial's precompiled headers would otherwise never hit the compiler cache.
+export CCACHE_SLOPPINESS=pch_defines,time_macros
+
 say() { printf '\n== %s\n' "$*"; }
 
-# install_packages [TAG]: the lines of packages.txt without a tag, and those with this one.
+# install_packages [TAG...]: the lines of packages.txt without a tag, and those with one of these.
 install_packages() {
   local wanted missing=() package
-  wanted=$(sed 's/^#.*//' packages.txt | awk -v tag="[${1:-}]" 'NF == 1 || $2 == tag { print $1 }')
+  wanted=$(sed 's/^#.*//' packages.txt | awk -v tags="$*" \
+    'NF == 1 || index(" " tags " ", " " substr($2, 2, length($2) - 2) " ") { print $1 }')
   for package in $wanted; do
     [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
   done

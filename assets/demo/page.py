@@ -101,7 +101,7 @@ def add_samples(page):
         page.row([page.figure(p, p.name.split(".")[0].replace("_", " "), 135) for p in pictures])
     seconds = sum(v["lights_s"] for v in report["views"])
     paths = sum(v["paths"] for v in report["views"])
-    rays = sum(v["closest_hit_rays"] + v["shadow_rays"] for v in report["views"])
+    rays = sum(v["closest_hit_rays"] + v["shadow_rays"] + v["walk_segments"] for v in report["views"])
     if seconds > 0:
         page.add(f"<p>{len(report['views'])} views, {len(lights)} lights from one pass: {seconds:.1f} s, "
                  f"{paths / seconds / 1e6:.2f} million paths/s, {rays / seconds / 1e6:.2f} million rays/s.</p>")
@@ -114,7 +114,7 @@ def add_validation(page):
              "more closely."}.get(report["verdict"], report["verdict"])
     settings = report["settings"]
     page.heading("4. Equal to Cycles?", f"<b>{html.escape(words)}</b> The same view in Blender {report['blender']} and here, "
-                 f"{settings['seeds']} seeds of {settings['spp']} paths a pixel on each side, subsurface set to 0.")
+                 f"{settings['seeds']} seeds of {settings['spp']} paths a pixel on each side.")
     captions = {"ours": "ours", "cycles": "Cycles", "difference": "difference, relative", "z": "Z of each 3 x 3 bin"}
     page.row([page.figure(folder / f"{name}.png", caption, 270) for name, caption in captions.items()])
     rows = [(r["name"], f"{r['pixels']:.0f}", f"{r['ratio']['value']:.4f}",
@@ -129,8 +129,58 @@ def add_validation(page):
         page.add(f"<p>{html.escape(reason)}</p>")
 
 
+def loss_chart(records, width=620, height=240):
+    """SVG of the loss against steps: each record as a dot, and the mean of the ten before it as a line."""
+    steps, losses = [r["step"] for r in records], [r["loss"] for r in records]
+    top = 1.05 * max(losses)
+
+    def place(step, loss):
+        return f"{50 + (width - 70) * step / steps[-1]:.1f},{height - 35 - (height - 55) * loss / top:.1f}"
+    means = [sum(losses[max(0, i - 9):i + 1]) / len(losses[max(0, i - 9):i + 1]) for i in range(len(losses))]
+    dots = "".join(f'<circle cx="{x}" cy="{y}" r="1.6" fill="#aac"/>' for x, y in
+                   (place(s, v).split(",") for s, v in zip(steps, losses)))
+    line = " ".join(place(s, v) for s, v in zip(steps, means))
+    marks = "".join(f'<text x="44" y="{height - 31 - (height - 55) * v / top:.1f}" text-anchor="end">{v:.2f}</text>'
+                    for v in (0, top / 2, top))
+    return (f'<svg width="{width}" height="{height}" font-size="12" fill="#555" role="img" aria-label="loss against steps">'
+            f'<line x1="50" y1="{height - 35}" x2="{width - 20}" y2="{height - 35}" stroke="#999"/>'
+            f'<line x1="50" y1="15" x2="50" y2="{height - 35}" stroke="#999"/>{marks}{dots}'
+            f'<polyline points="{line}" fill="none" stroke="#225" stroke-width="2"/>'
+            f'<text x="{width - 20}" y="{height - 15}" text-anchor="end">step {steps[-1]}</text>'
+            f'<text x="50" y="{height - 15}">loss of one step (dots), mean of ten log lines (line)</text></svg>')
+
+
+def add_training(page):
+    lines = [json.loads(line) for line in (page.out / "training" / "log.jsonl").read_text(encoding="utf-8").splitlines()]
+    records = [line for line in lines if "loss" in line]
+    first, last = records[:5], records[-5:]
+    mean = lambda some: sum(r["loss"] for r in some) / len(some)
+    page.heading("5. A short training", "The albedo prior learns from this person's own views, from nothing: enough to see "
+                 "it learn, far from enough to be used. Loss (maps and rendering) "
+                 f"{mean(first):.3f} over the first five log lines, {mean(last):.3f} over the last five.")
+    page.add(loss_chart(records))
+
+
+def add_estimate(page):
+    estimate, previews = page.out / "estimate", page.out / "samples" / "previews"
+    page.heading("6. From one picture", "The weights that come with the project never saw this person. From the picture on "
+                 "the left they estimate six maps (upper row, 128 x 128 pixels); the truth is below. What they can and "
+                 "cannot do: <code>assets/weights/model_card.md</code>.")
+    page.row([page.figure(estimate / "input.png", "input", 160)] +
+             [page.figure(estimate / f"{name}.png", f"{name}, estimated", 160) for name in MAPS])
+    page.row([page.figure(previews / "view_000.relit.studio.png", "the picture", 160)] +
+             [page.figure(previews / f"view_000.{name}.png", f"{name}, true", 160) for name in MAPS])
+
+
+def add_relit(page):
+    page.heading("7. Relit and edited in Blender", "The estimate as a relief in Blender, under another environment (sunset); "
+                 "then with its fabric made shiny leather, and with auburn hair.")
+    captions = {"none": "relit", "fabric_shiny_leather": "fabric to shiny leather", "hair_auburn": "auburn hair"}
+    page.row([page.figure(page.out / "relit" / f"{name}.png", caption, 360) for name, caption in captions.items()])
+
+
 def add_costs(page, seconds_in_all):
-    page.heading("5. What it cost")
+    page.heading("8. What it cost")
     rows = []
     for line in (page.out / "costs.tsv").read_text(encoding="utf-8").splitlines():
         name, seconds, command = line.split("\t")
@@ -144,13 +194,17 @@ def main():
     page = Page(Path(sys.argv[1]))
     page.add("<h1>OpenHumanBRDF: the main job on one person</h1>")
     page.add("<p>A scanned human, from its mesh and picture to a finished sample: regions, six material maps, "
-             "relit views, and the proof against Blender Cycles.</p>")
+             "relit views, and the proof against Blender Cycles; and back, "
+             "from one picture to estimated maps, relit and edited in Blender.</p>")
     views = page.out / "samples" / "previews"
     page.row([page.figure(p, p.name.split(".relit.")[1][:-4], 360) for p in sorted(views.glob("view_000.relit.*.png"))])
     add_regions(page)
     add_maps(page)
     add_samples(page)
     add_validation(page)
+    add_training(page)
+    add_estimate(page)
+    add_relit(page)
     add_costs(page, sys.argv[2])
     inspect = page.out / "inspect.txt"
     if inspect.exists():
