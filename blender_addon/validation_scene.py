@@ -349,6 +349,13 @@ def set_box(settings, box, size_px):
         "border_max_y": min(1.0, (size_px - y0 + inside) / size_px)})
 
 
+def set_adaptive(settings, threshold):
+    """Stops pixels whose estimated noise is below the threshold; 0: never, as all that must be unbiased wants."""
+    settings.set("scene.cycles", bpy.context.scene.cycles, "use_adaptive_sampling", threshold > 0)
+    if threshold > 0:
+        settings.set("scene.cycles", bpy.context.scene.cycles, "adaptive_threshold", threshold)
+
+
 def render_seed(settings, spp, seed, boxes, size_px, output, name):
     """One image, of as many files as there are boxes."""
     row = {"seed": seed, "spp": spp, "files": [], "wall_s": 0.0, "cpu_s": 0.0}
@@ -369,6 +376,7 @@ def render_passes(settings, description, output):
     print("progress %d %d" % (done, total), flush=True)
     for number, work in enumerate(description["passes"]):
         rows = []
+        set_adaptive(settings, work["adaptive_threshold"])
         for k, seed in enumerate(work["seeds"]):
             rows.append(render_seed(settings, work["spp"], seed, work["boxes"], description["size_px"], output,
                                     "pass_%d_seed_%d" % (number, k)))

@@ -129,6 +129,18 @@ def add_validation(page):
         page.add(f"<p>{html.escape(reason)}</p>")
 
 
+def add_chart(page):
+    folder = page.out / "chart"
+    report = read_json(folder / "chart.json")
+    page.heading("5. Error against time", "The same view with 4 and 16 paths a pixel, here and in Cycles "
+                 "(<code>openhumanbrdf chart speed-accuracy</code>; times of this run, on this machine).")
+    page.row([page.figure(folder / "chart.svg", "error of one image against its time, loading included", 820)])
+    for ratio in report["times_to_equal_error"]:
+        page.add(f"<p>To an error of {100 * ratio['relative_error']:.2f} %: {html.escape(ratio['cycles'])} takes "
+                 f"{ratio['cycles_over_ours']:.2f} times as long as {html.escape(ratio['ours'])} "
+                 f"({ratio['cycles_over_ours_without_loading']:.2f} times without loading).</p>")
+
+
 def loss_chart(records, width=620, height=240):
     """SVG of the loss against steps: each record as a dot, and the mean of the ten before it as a line."""
     steps, losses = [r["step"] for r in records], [r["loss"] for r in records]
@@ -155,7 +167,7 @@ def add_training(page):
     records = [line for line in lines if "loss" in line]
     first, last = records[:5], records[-5:]
     mean = lambda some: sum(r["loss"] for r in some) / len(some)
-    page.heading("5. A short training", "The albedo prior learns from this person's own views, from nothing: enough to see "
+    page.heading("6. A short training", "The albedo prior learns from this person's own views, from nothing: enough to see "
                  "it learn, far from enough to be used. Loss (maps and rendering) "
                  f"{mean(first):.3f} over the first five log lines, {mean(last):.3f} over the last five.")
     page.add(loss_chart(records))
@@ -163,7 +175,7 @@ def add_training(page):
 
 def add_estimate(page):
     estimate, previews = page.out / "estimate", page.out / "samples" / "previews"
-    page.heading("6. From one picture", "The weights that come with the project never saw this person. From the picture on "
+    page.heading("7. From one picture", "The weights that come with the project never saw this person. From the picture on "
                  "the left they estimate six maps (upper row, 128 x 128 pixels); the truth is below. What they can and "
                  "cannot do: <code>assets/weights/model_card.md</code>.")
     page.row([page.figure(estimate / "input.png", "input", 160)] +
@@ -173,14 +185,14 @@ def add_estimate(page):
 
 
 def add_relit(page):
-    page.heading("7. Relit and edited in Blender", "The estimate as a relief in Blender, under another environment (sunset); "
+    page.heading("8. Relit and edited in Blender", "The estimate as a relief in Blender, under another environment (sunset); "
                  "then with its fabric made shiny leather, and with auburn hair.")
     captions = {"none": "relit", "fabric_shiny_leather": "fabric to shiny leather", "hair_auburn": "auburn hair"}
     page.row([page.figure(page.out / "relit" / f"{name}.png", caption, 360) for name, caption in captions.items()])
 
 
 def add_costs(page, seconds_in_all):
-    page.heading("8. What it cost")
+    page.heading("9. What it cost")
     rows = []
     for line in (page.out / "costs.tsv").read_text(encoding="utf-8").splitlines():
         name, seconds, command = line.split("\t")
@@ -202,6 +214,7 @@ def main():
     add_maps(page)
     add_samples(page)
     add_validation(page)
+    add_chart(page)
     add_training(page)
     add_estimate(page)
     add_relit(page)

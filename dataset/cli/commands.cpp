@@ -17,6 +17,7 @@ void add_label_command(CLI::App& app, Commands& commands);
 void add_bake_command(CLI::App& app, Commands& commands);
 void add_render_command(CLI::App& app, Commands& commands);
 void add_validate_command(CLI::App& app, Commands& commands);
+void add_chart_command(CLI::App& app, Commands& commands);
 
 void Commands::add_to(CLI::App& app) {
   add_inspect_command(app, *this);
@@ -24,6 +25,7 @@ void Commands::add_to(CLI::App& app) {
   add_bake_command(app, *this);
   add_render_command(app, *this);
   add_validate_command(app, *this);
+  add_chart_command(app, *this);
 }
 
 }  // namespace ohb

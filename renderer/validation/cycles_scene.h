@@ -16,9 +16,10 @@ namespace ohb {
 
 /// One round of images over all or some pixels.
 struct CyclesPass {
-  int spp = 128;                // at most kMaxCyclesSpp
-  std::vector<uint32_t> seeds;  // below 2^31; one image each
-  std::vector<PixelBox> boxes;  // apart from each other; none: the whole image
+  int spp = 128;                  // at most kMaxCyclesSpp
+  std::vector<uint32_t> seeds;    // below 2^31; one image each
+  std::vector<PixelBox> boxes;    // apart from each other; none: the whole image
+  double adaptive_threshold = 0;  // above 0: Cycles stops pixels early, which biases it a little
 };
 constexpr int kMaxCyclesSpp = 8192;  // Cycles' sampling tables end there
 

@@ -1,22 +1,11 @@
 #include "renderer/validation/sides.h"
 
-#include <chrono>
-#include <ctime>
-
 #include "dataset/model/progress.h"
 #include "renderer/sampling.h"
+#include "renderer/validation/stopwatch.h"
 
 namespace ohb {
 namespace {
-
-struct Stopwatch {
-  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-  std::clock_t processor_start = std::clock();  // of all threads of this process
-  double wall_s() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  }
-  double cpu_s() const { return static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC; }
-};
 
 size_t image_count(const std::vector<CyclesPass>& passes) {
   size_t count = 0;
@@ -37,15 +26,18 @@ CyclesSide render_cycles_side(const CyclesScene& scene, const Blender& blender, 
   });
   CyclesSide side;
   side.settings = std::move(run.settings);
-  side.cost.load_s = run.load_s;
-  for (const CyclesRender& render : run.passes.front()) {
-    side.cost.wall_s += render.wall_s / static_cast<double>(run.passes.front().size());
-    side.cost.cpu_s += render.cpu_s / static_cast<double>(run.passes.front().size());
-  }
   for (std::vector<CyclesRender>& pass : run.passes) {
     side.passes.emplace_back();
+    SideCost cost;
+    cost.load_s = run.load_s;
+    for (const CyclesRender& render : pass) {
+      cost.wall_s += render.wall_s / static_cast<double>(pass.size());
+      cost.cpu_s += render.cpu_s / static_cast<double>(pass.size());
+    }
+    side.pass_costs.push_back(cost);
     for (CyclesRender& render : pass) side.passes.back().push_back(std::move(render.rgba));
   }
+  side.cost = side.pass_costs.front();
   return side;
 }
 
@@ -92,18 +84,19 @@ ImageStack OurRenderer::render_pass(const CyclesPass& pass, uint64_t seed,
 
 OurSide OurRenderer::render(const std::vector<CyclesPass>& passes, uint64_t seed) const {
   OurSide side;
-  side.cost.load_s = load_s_;
   Progress progress("ours", image_count(passes));
   RenderStatistics statistics;
   for (size_t i = 0; i < passes.size(); ++i) {
     const Stopwatch watch;
     side.passes.push_back(render_pass(passes[i], mix_bits(mix_bits(seed) + i), statistics));
-    if (i == 0) {
-      side.cost.wall_s = watch.wall_s() / static_cast<double>(passes[i].seeds.size());
-      side.cost.cpu_s = watch.cpu_s() / static_cast<double>(passes[i].seeds.size());
-    }
+    SideCost cost;
+    cost.load_s = load_s_;
+    cost.wall_s = watch.wall_s() / static_cast<double>(passes[i].seeds.size());
+    cost.cpu_s = watch.cpu_s() / static_cast<double>(passes[i].seeds.size());
+    side.pass_costs.push_back(cost);
     progress.add(passes[i].seeds.size());
   }
+  side.cost = side.pass_costs.front();
   side.nonfinite = statistics.nonfinite;
   return side;
 }

@@ -9,7 +9,7 @@
 
 namespace ohb {
 
-/// All times are of one image (mean over the first pass's seeds), loading apart.
+/// All times are of one image (mean over a pass's seeds), loading apart.
 struct SideCost {
   double load_s = 0, wall_s = 0, cpu_s = 0;
   double mean_squared_error = 0;  // of one image: mean of the variance over foreground pixels and channels
@@ -18,7 +18,8 @@ struct SideCost {
 /// The passes' images in Cycles (4 channels), with progress on stderr. Throws as run_cycles.
 struct CyclesSide {
   std::vector<ImageStack> passes;
-  SideCost cost;
+  SideCost cost;                     // of the first pass
+  std::vector<SideCost> pass_costs;  // of each
   std::vector<CyclesSetting> settings;
 };
 CyclesSide render_cycles_side(const CyclesScene& scene, const Blender& blender, int threads,
@@ -27,7 +28,8 @@ CyclesSide render_cycles_side(const CyclesScene& scene, const Blender& blender, 
 /// The passes' images here (3 channels). `seed` is hashed with the number of pass and image.
 struct OurSide {
   std::vector<ImageStack> passes;
-  SideCost cost;
+  SideCost cost;                     // of the first pass
+  std::vector<SideCost> pass_costs;  // of each
   uint64_t nonfinite = 0;
 };
 class OurRenderer {

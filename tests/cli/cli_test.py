@@ -99,9 +99,9 @@ class Commands(unittest.TestCase):
     def test_every_command_has_help_with_examples(self):
         overview = run("--help")
         self.assertEqual(overview.returncode, DONE)
-        for command in ("inspect", "label", "bake", "render", "validate"):
-            self.assertIn(command, overview.stdout)
-            result = run(command, "--help")
+        for command in ("inspect", "label", "bake", "render", "validate", "chart speed-accuracy"):
+            self.assertIn(command.split()[0], overview.stdout)
+            result = run(*command.split(), "--help")
             self.assertEqual(result.returncode, DONE)
             self.assertGreaterEqual(result.stdout.count("openhumanbrdf " + command), 2, command)
 
@@ -218,6 +218,26 @@ class Commands(unittest.TestCase):
         self.expect_refusal(broken("m5", lambda m: (m / a_map).write_bytes((m / a_map).read_bytes()[:200])), "albedo.exr")
         self.expect_refusal(broken("m6", lambda m: (m / "mesh.obj").write_text("v 1 2 nan\n")), "mesh.obj")
         self.expect_refusal(broken("m7", lambda m: (m / "faces.bin").write_bytes(b"abc")), "faces.bin")
+
+    def test_chart_of_speed_and_accuracy(self):
+        chart = self.folder / "chart"
+        arguments = ["chart", "speed-accuracy", self.folder / "model", "--environment", self.environment, "--size", 32,
+                     "--max-spp", 16, "--seeds", 8, "-o", chart]
+        result = run(*arguments, "--json")
+        self.assertEqual(result.returncode, DONE, result.stderr)
+        report = json.loads(result.stdout)
+        self.assertEqual({p.name for p in chart.iterdir() if not p.name.startswith(".")},
+                         {"chart.csv", "chart.gp", "chart.json", "chart.png", "chart.svg"})
+        self.assertIn("Cycles, adaptive", (chart / "chart.svg").read_text())
+        for series in ("ours", "Cycles"):
+            low, high = [p["relative_error"] for p in report["points"] if p["series"] == series]
+            # Four times the paths: half the error if they were independent, less if they are stratified. With 8 seeds
+            # the ratio is within 15 % of its own mean for these 3000 values.
+            self.assertGreater(low / high, 1.6, series)
+            self.assertLess(low / high, 6, series)
+        self.assertTrue(any(p["on_front"] for p in report["points"]))
+        self.expect_refusal(run(*arguments[:-1], self.folder / "x", "--blender", "/bin/false"), "/bin/false")
+        self.assertFalse((self.folder / "x").exists())
 
     def test_json_is_one_object_on_stdout(self):
         for arguments in (["inspect", self.scan], ["label", self.scan, "-o", self.folder / "j1"],

@@ -1,0 +1,100 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "dataset/cli/commands.h"
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/error.h"
+#include "renderer/validation/speed_accuracy.h"
+
+namespace ohb {
+namespace fs = std::filesystem;
+namespace {
+
+struct Options {
+  std::string model, output;
+  std::vector<std::string> environments;
+  SpeedAccuracySettings settings;
+};
+
+void print_summary(const SpeedAccuracy& chart, const fs::path& output) {
+  std::printf("%-28s %6s %9s %9s %9s  %s\n", "series", "spp", "load s", "wall s", "cpu s", "error");
+  for (const SpeedAccuracyPoint& p : chart.points)
+    std::printf("%-28s %6d %9.2f %9.3f %9.3f  %.3f %%%s\n", p.series.c_str(), p.spp, p.load_s, p.wall_s,
+                p.cpu_s, 100 * p.relative_error, p.on_front ? "  front" : "");
+  for (const SpeedAccuracyRatio& r : chart.ratios)
+    std::printf("to an error of %.3f %%: %s takes %.2f times as long as %s (%.2f without loading)\n",
+                100 * r.relative_error, r.cycles.c_str(), r.with_loading, r.ours.c_str(), r.without_loading);
+  if (chart.subsurface_effect > 0)
+    std::printf("leaving subsurface out changes the picture by %.2f %% (root mean square over the subject)\n",
+                100 * chart.subsurface_effect);
+  std::printf("%s\n", (output / "chart.svg").c_str());
+}
+
+int run_chart(const Options& options, const CommonOptions& common) {
+  SpeedAccuracySettings settings = options.settings;
+  settings.threads = common.threads;
+  settings.seed = common.seed;
+  const Model model = read_model(options.model);
+  std::vector<Environment> environments;
+  for (const std::string& file : options.environments) environments.push_back(read_environment(file));
+  AtomicFolder folder(options.output);
+  const fs::path scratch = folder.path() / "scenes";
+  fs::create_directories(scratch);
+  const SpeedAccuracy chart = measure_speed_accuracy(model, environments, settings, scratch);
+  fs::remove_all(scratch);
+  write_file_atomically(folder.path() / "chart.csv", speed_accuracy_csv(chart));
+  write_file_atomically(folder.path() / "chart.json", speed_accuracy_json(chart));
+  draw_speed_accuracy(chart, folder.path());
+  folder.commit();
+  if (common.json)
+    std::printf("%s", speed_accuracy_json(chart).c_str());
+  else
+    print_summary(chart, options.output);
+  return 0;
+}
+
+}  // namespace
+
+void add_chart_command(CLI::App& app, Commands& commands) {
+  CLI::App* chart = app.add_subcommand("chart", "Charts of error against time");
+  chart->require_subcommand(1);
+  CLI::App* command = chart->add_subcommand("speed-accuracy", "Ours beside Cycles on one view of a model");
+  auto options = std::make_shared<Options>();
+  SpeedAccuracySettings& settings = options->settings;
+  command->add_option("MODEL", options->model, "folder that bake wrote")->required();
+  command
+      ->add_option(
+          "--environment", options->environments,
+          "latitude-longitude map, linear; with more than one, all lights in one pass are charted too")
+      ->required();
+  command->add_option("--blender", settings.blender, "Blender 3.4 (default: blender in PATH)");
+  command->add_option("--size", settings.size_px, "width and height in pixels")
+      ->check(CLI::Range(8, 8192))
+      ->capture_default_str();
+  command
+      ->add_option("--max-spp", settings.max_spp,
+                   "paths a pixel of the best images; the others take 4, 16, ...")
+      ->check(CLI::Range(4, 8192))
+      ->capture_default_str();
+  command->add_option("--seeds", settings.seeds, "images of each kind, whose spread is the error")
+      ->check(CLI::Range(2, 256))
+      ->capture_default_str();
+  command->add_option("--bounces", settings.max_bounces, "indirect bounces at most")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
+      ->required();
+  add_common_options(*command, commands.common);
+  command->footer(
+      "Examples:\n"
+      "  openhumanbrdf chart speed-accuracy model --environment studio.exr -o chart\n"
+      "  openhumanbrdf chart speed-accuracy model --environment a.exr --environment b.exr --max-spp 64 -o "
+      "chart\n"
+      "Times mean something on an idle machine only.");
+  command->callback([options, &commands] {
+    commands.run = [options, &commands] { return run_chart(*options, commands.common); };
+  });
+}
+
+}  // namespace ohb
