@@ -2,7 +2,7 @@
 #include <tbb/parallel_for.h>
 
 #include "dataset/model/regions.h"
-#include "renderer/surface.h"
+#include "renderer/footprint.h"
 
 namespace ohb {
 namespace {
@@ -71,8 +71,10 @@ Sample render_maps(const Scene& scene, const Camera& camera, double turn_rad, co
   sample.normal = sample.diffuse = Image(n, n, 3);
   sample.classes = Image(n, n, kClassCount);
   const ViewCamera view(camera, turn_rad, n);
+  const std::vector<uint8_t> seen = footprint(scene, view, n);
   tbb::parallel_for(0, n, [&](int y) {
     for (int x = 0; x < n; ++x) {
+      if (!seen[static_cast<size_t>(y) * n + x]) continue;
       PixelSums sums;
       for (int j = 0; j < grid; ++j)
         for (int i = 0; i < grid; ++i) {

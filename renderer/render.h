@@ -28,10 +28,14 @@ struct PixelBox {
 };
 
 struct RenderSettings {
-  int size_px = 512;       // square image
-  int spp = 256;           // paths a pixel, each serving every light
-  uint64_t seed = 1;       // of this image; equal seeds give equal bits
-  int max_bounces = 32;    // indirect generations; the last ray still sees the environments
+  int size_px = 512;     // square image
+  int spp = 256;         // paths a pixel, each serving every light
+  uint64_t seed = 1;     // of this image; equal seeds give equal bits
+  int max_bounces = 32;  // indirect generations; the last ray still sees the environments
+  /// spp becomes the mean over the pixels that see something, spent where the noise is: least mean squared
+  /// error for the work. Unbiased: an eighth of it goes into pilot images that are not used otherwise. From
+  /// 32 on.
+  bool adaptive = false;
   bool subsurface = true;  // false: skin reflects diffusely instead
   int map_grid = 8;        // the maps average map_grid x map_grid points a pixel
   /// Cycles sends sample 0 of each pixel through the centre; set it to equal Cycles at the same spp.
@@ -50,7 +54,7 @@ struct RecordedRay {
 
 /// What one call did, for reports.
 struct RenderStatistics {
-  uint64_t paths = 0;
+  uint64_t paths = 0;             // of pixels that may see something
   uint64_t closest_hit_rays = 0;  // camera and indirect rays, cut-outs passed included
   uint64_t shadow_rays = 0;
   uint64_t walks = 0;          // under the surface

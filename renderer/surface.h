@@ -99,6 +99,16 @@ class ViewCamera {
     const float x = x_px * scale_ - half_width_, y = half_width_ - y_px * scale_;
     return {origin_, normalised(x * right_ + Vec3f{0, y, 0} + forward_)};
   }
+  /// Image coordinates in pixels of a point of the subject's frame; false if it is not well before the
+  /// camera.
+  bool project(Vec3f position, Vec2f& image_px) const {
+    const Vec3f to_point = position - origin_;
+    const float depth = dot(to_point, forward_);
+    if (!(depth > 1e-3f * length(to_point))) return false;
+    image_px = {(dot(to_point, right_) / depth + half_width_) / scale_,
+                (half_width_ - to_point.y / depth) / scale_};
+    return true;
+  }
   /// Camera-space coordinates (+X right, +Y up, +Z to the viewer) of a direction of the subject's frame.
   Vec3f to_camera(Vec3f v) const { return {dot(v, right_), v.y, -dot(v, forward_)}; }
 

@@ -10,7 +10,7 @@ namespace ohb {
 namespace {
 
 struct Options {
-  std::string model, output, views = "1", subsurface = "walk";
+  std::string model, output, views = "1", subsurface = "walk", sampling = "adaptive";
   std::vector<std::string> environments, points;
   int size_px = 512, spp = 256, bounces = 32;
 };
@@ -25,6 +25,7 @@ int run_render(const Options& options, const CommonOptions& common) {
   job.settings.size_px = options.size_px;
   job.settings.spp = options.spp;
   job.settings.max_bounces = options.bounces;
+  job.settings.adaptive = options.sampling == "adaptive";
   job.settings.subsurface = options.subsurface == "walk";
   job.settings.seed = common.seed;
   job.output = options.output;
@@ -77,6 +78,12 @@ void add_render_command(CLI::App& app, Commands& commands) {
       ->add_option("--subsurface", options->subsurface,
                    "walk: light scatters under the skin; diffuse: it does not, which is faster")
       ->check(CLI::IsMember({"walk", "diffuse"}))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--sampling", options->sampling,
+          "adaptive: --spp is the mean, more where the noise is (unbiased, from 32 on); even: all the same")
+      ->check(CLI::IsMember({"adaptive", "even"}))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "folder for the samples")->required();
   add_common_options(*command, commands.common);

@@ -56,6 +56,7 @@ ExrAttributes attributes_of(const RenderJob& job, const Model& model, const std:
       {"ohb:turn_deg", shortest(360.0 * view / job.views.count)},
       {"ohb:seed", std::to_string(s.seed)},
       {"ohb:spp", std::to_string(s.spp)},
+      {"ohb:sampling", s.adaptive ? "adaptive" : "even"},
       {"ohb:maxBounces", std::to_string(s.max_bounces)},
       {"ohb:mapGrid", std::to_string(s.map_grid)},
       {"ohb:subsurface", s.subsurface ? "random walk" : "replaced by diffuse"},

@@ -131,7 +131,9 @@ json describe_camera(const Camera& camera) {
 json describe_pass(const CyclesPass& pass) {
   json boxes = json::array();
   for (const PixelBox& box : pass.boxes) boxes.push_back({box.x0, box.y0, box.x1, box.y1});
-  return {{"spp", pass.spp}, {"seeds", pass.seeds}, {"boxes", boxes},
+  return {{"spp", pass.spp},
+          {"seeds", pass.seeds},
+          {"boxes", boxes},
           {"adaptive_threshold", pass.adaptive_threshold}};
 }
 

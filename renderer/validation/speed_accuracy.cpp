@@ -140,7 +140,13 @@ class Measurement {
     add_points(ours_name, scene_.passes, ours.pass_costs, our_errors);
     const SpeedAccuracyPoint our_best = chart_.points.back();
     add_points(cycles_name, scene_.passes, cycles.pass_costs, cycles_errors);
-    add_ratio(our_best, chart_.points.back());
+    const SpeedAccuracyPoint cycles_best = chart_.points.back();
+    add_ratio(our_best, cycles_best);
+    std::vector<SideCost> costs(plain_count);
+    std::vector<Errors> errors(plain_count);
+    render_ours({*scene_.environment}, costs, errors);
+    add_points(ours_name + ", adaptive", scene_.passes, costs, errors);
+    add_ratio(chart_.points.back(), cycles_best);
     for (size_t i = plain_count; i < all.size(); ++i)
       add_points(cycles_name + ", adaptive", {all[i]}, {cycles.pass_costs[i]}, {cycles_errors[i]});
     return reference;
@@ -153,7 +159,7 @@ class Measurement {
     const std::string lights = fmt::format(", {} lights", environments_.size());
     std::vector<SideCost> costs(scene_.passes.size());
     std::vector<Errors> errors(scene_.passes.size());
-    render_all_lights(costs, errors);
+    render_ours(environments_, costs, errors);
     add_points("ours" + lights, scene_.passes, costs, errors);
     const SpeedAccuracyPoint our_best = chart_.points.back();
     costs.assign(costs.size(), {});
@@ -178,17 +184,21 @@ class Measurement {
     sum.mean_square += 1;
   }
 
-  void render_all_lights(std::vector<SideCost>& costs, std::vector<Errors>& errors) const {
+  /// The ladder with adaptive budgets, all lights in one pass.
+  void render_ours(const std::vector<Environment>& environments, std::vector<SideCost>& costs,
+                   std::vector<Errors>& errors) const {
     const Stopwatch loading;
     const auto scene = build_scene(model_);
-    const auto lights = prepare_lights(environments_, {});
+    const auto lights = prepare_lights(environments, {});
     const double load_s = loading.wall_s();
     RenderSettings settings;
     settings.size_px = chart_.settings.size_px;
     settings.max_bounces = chart_.settings.max_bounces;
+    settings.subsurface = scene_.subsurface;
+    settings.adaptive = true;
     for (size_t i = 0; i < scene_.passes.size(); ++i) {
       const size_t seeds = scene_.passes[i].seeds.size();
-      std::vector<ImageStack> stacks(environments_.size());
+      std::vector<ImageStack> stacks(environments.size());
       settings.spp = scene_.passes[i].spp;
       const Stopwatch watch;
       for (size_t k = 0; k < seeds; ++k) {
@@ -206,7 +216,8 @@ class Measurement {
   /// Of the points that compute the same thing: one light, subsurface as the model has it.
   void mark_front() {
     const auto compares = [](const SpeedAccuracyPoint& p) {
-      return p.series == "ours" || p.series == "Cycles" || p.series == "Cycles, adaptive";
+      return p.series == "ours" || p.series == "ours, adaptive" || p.series == "Cycles" ||
+             p.series == "Cycles, adaptive";
     };
     for (SpeedAccuracyPoint& p : chart_.points) {
       p.on_front = compares(p);

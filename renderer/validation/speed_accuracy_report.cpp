@@ -39,7 +39,9 @@ std::string plot_script(const SpeedAccuracy& chart) {
   for (const SpeedAccuracyPoint& p : chart.points)
     if (p.on_front) script += fmt::format("{:.6g} {:.6g}\n", p.load_s + p.wall_s, 100 * p.relative_error);
   script += "EOD\n";
-  script += "set logscale xy\nset autoscale noextend\nset offsets graph 0.05, graph 0.05, graph 0.05, graph 0.05\nset grid\nset key outside right top\n";
+  script +=
+      "set logscale xy\nset autoscale noextend\nset offsets graph 0.05, graph 0.05, graph 0.05, graph "
+      "0.05\nset grid\nset key outside right top\n";
   script += "set xlabel 'seconds of one image (of all its lights), loading included'\n";
   script += "set ylabel 'error: root mean square, % of the picture'\n";
   script += "set title " +

@@ -1,5 +1,5 @@
 // What a renderer's minute buys: 1 / (mean squared error x processor time), of one view without loading.
-// usage: efficiency_bench MODEL E.exr [SPP [SIZE_PX]]
+// usage: efficiency_bench MODEL E.exr [SPP [SIZE_PX [adaptive]]]
 #include <sys/resource.h>
 
 #include <cstdio>
@@ -21,7 +21,7 @@ double processor_seconds() {
 int main(int argc, char** argv) {
   using namespace ohb;
   if (argc < 3) {
-    std::fprintf(stderr, "usage: efficiency_bench MODEL E.exr [SPP [SIZE_PX]]\n");
+    std::fprintf(stderr, "usage: efficiency_bench MODEL E.exr [SPP [SIZE_PX [adaptive]]]\n");
     return 2;
   }
   constexpr int kSeeds = 8;
@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   RenderSettings settings;
   settings.spp = argc > 3 ? std::atoi(argv[3]) : 16;
   settings.size_px = argc > 4 ? std::atoi(argv[4]) : 256;
+  settings.adaptive = argc > 5;
   std::vector<Image> images;
   const double start = processor_seconds();
   RenderStatistics statistics;

@@ -1,0 +1,218 @@
+// One path serves all lights: the way through the scene does not depend on them, so each vertex asks every
+// light for its share (next-event estimation), and a ray that leaves the scene asks every environment.
+// The estimate of light l is a sum over path vertices of
+//   throughput x [ f cos L_l(wi) V / pdf_l  w(pdf_l, pdf_bsdf)            (light sampling)
+//               or f cos L_l(wi) / pdf_bsdf w(pdf_bsdf, pdf_l) ]           (BSDF sampling)
+// with w the power heuristic between that light's own density and the BSDF's: unbiased for each light alone.
+#pragma once
+
+#include "renderer/lights.h"
+#include "renderer/random_walk.h"
+#include "renderer/surface.h"
+
+namespace ohb {
+constexpr int kCandidates = 4;               // directions of an environment that compete for a shadow ray
+constexpr float kLatticeStep = 0.61803399f;  // golden section: a lattice of any size is even
+constexpr int kRouletteFromBounce = 2;       // Cycles: the continuation test starts at the third surface
+
+struct TileResult {
+  RayCounts rays;
+  uint64_t paths = 0;
+  uint64_t nonfinite = 0;
+};
+
+// Everything that one pixel's paths share.
+struct PathContext {
+  const Scene& scene;
+  const LightSet& lights;
+  double turn_rad;
+  Vec3f turn_x, turn_z;  // the world's X and Z axes in the subject's frame
+  int max_bounces;
+  bool subsurface;
+
+  Vec3f to_world(Vec3f v) const { return {dot(v, turn_x), v.y, dot(v, turn_z)}; }
+  Vec3f to_subject(Vec3f v) const { return v.x * turn_x + Vec3f{0, v.y, 0} + v.z * turn_z; }
+};
+
+inline float fraction_of(float x) {
+  return x - std::floor(x);
+}
+
+inline void add(Vec3f contribution, Vec3f& sum, TileResult& tile) {
+  if (is_finite(contribution))
+    sum += contribution;
+  else
+    ++tile.nonfinite;
+}
+
+/// One shadow ray to one of several directions that the environment suggests, chosen by what each would
+/// bring if it is not shadowed (resampled importance sampling, Talbot et al. 2005, equation 6). The
+/// candidates are a lattice shifted by u, so that they spread over the light.
+template <bool kCutouts>
+void sample_environment(const PathContext& c, const EnvironmentLight& light, const SurfacePoint& point,
+                        const PrincipledV1& bsdf, Vec3f throughput, Vec2f u, float u_choice, TileResult& tile,
+                        Vec3f& radiance) {
+  float sum = 0;
+  Vec3f chosen_wi, chosen_value;
+  float chosen_weight = 0;
+  for (int k = 0; k < kCandidates; ++k) {
+    const float kf = static_cast<float>(k);
+    const LightSample sample = light.sample(fraction_of(u.x + kf / static_cast<float>(kCandidates)),
+                                            fraction_of(u.y + kf * kLatticeStep));
+    if (!(sample.pdf > 0) || !(max_component(sample.radiance) > 0)) continue;
+    const Vec3f wi = c.to_subject(sample.wi);
+    const BsdfValue f = bsdf.eval(wi);
+    if (!(max_component(f.value) > 0)) continue;
+    const Vec3f value =
+        throughput * f.value * sample.radiance * (power_heuristic(sample.pdf, f.pdf) / sample.pdf);
+    const float weight = mean(value);
+    sum += weight;
+    // The choice stays uniform after each candidate: one number serves all.
+    const float share = weight / sum;
+    if (u_choice < share) {
+      u_choice /= share;
+      chosen_wi = wi;
+      chosen_value = value;
+      chosen_weight = weight;
+    } else {
+      u_choice = (u_choice - share) / (1 - share);
+    }
+  }
+  if (!(chosen_weight > 0)) return;
+  const Ray ray{ray_origin(c.scene, point.position, point.ng, chosen_wi), chosen_wi};
+  const float visible =
+      transmittance<kCutouts>(c.scene, ray, std::numeric_limits<float>::infinity(), tile.rays);
+  if (visible > 0)
+    add(chosen_value * (visible * sum / (chosen_weight * static_cast<float>(kCandidates))), radiance, tile);
+}
+
+template <bool kCutouts>
+void sample_lights(const PathContext& c, const SurfacePoint& point, const PrincipledV1& bsdf,
+                   Vec3f throughput, PathSampler& sampler, TileResult& tile, std::vector<Vec3f>& radiance) {
+  // One set of numbers for all lights: each light's image is unbiased by itself.
+  const Vec2f u = sampler.next_pair();
+  const float u_choice = sampler.random.next();
+  for (size_t l = 0; l < c.lights.environments.size(); ++l)
+    sample_environment<kCutouts>(c, c.lights.environments[l], point, bsdf, throughput, u, u_choice, tile,
+                                 radiance[l]);
+  for (size_t i = 0; i < c.lights.points.size(); ++i) {
+    const PointLight& light = c.lights.points[i];
+    const Vec3f to_light = turn_about_y(light.position_cm, -c.turn_rad) - point.position;
+    const float distance_cm = length(to_light);
+    if (!(distance_cm > 0)) continue;
+    const Vec3f wi = to_light / distance_cm;
+    const BsdfValue f = bsdf.eval(wi);
+    if (!(max_component(f.value) > 0)) continue;
+    const Ray ray{ray_origin(c.scene, point.position, point.ng, wi), wi};
+    const float visible = transmittance<kCutouts>(c.scene, ray, distance_cm, tile.rays);
+    const float distance_m = distance_cm * 0.01f;
+    add(throughput * f.value * (visible * light.intensity / (distance_m * distance_m)),
+        radiance[c.lights.environments.size() + i], tile);
+  }
+}
+
+inline void add_environments(const PathContext& c, Vec3f direction, float bsdf_pdf, Vec3f throughput,
+                             TileResult& tile, std::vector<Vec3f>& radiance) {
+  const Vec3f world = c.to_world(direction);
+  for (size_t l = 0; l < c.lights.environments.size(); ++l) {
+    const EnvironmentLight& light = c.lights.environments[l];
+    const EnvironmentValue value = light.at(world);
+    add(throughput * value.radiance * power_heuristic(bsdf_pdf, value.pdf), radiance[l], tile);
+  }
+}
+
+/// What a path carries from one surface to the next.
+struct PathState {
+  Ray ray;
+  Vec3f throughput{1, 1, 1};
+  float bsdf_pdf = 0;
+  int bounce = 0;
+  bool diffuse_ancestor = false;  // walks are made before the first diffuse bounce only
+};
+
+/// The next segment of a path that reflects at `point`; false if it ends there.
+inline bool bounce_off(const PathContext& c, const SurfacePoint& point, const BsdfSample& next,
+                       PathState& state) {
+  if (!(next.pdf > 0) || !(max_component(next.value) > 0)) return false;
+  state.throughput *= next.value / next.pdf;
+  state.bsdf_pdf = next.pdf;
+  state.diffuse_ancestor |= next.is_diffuse;
+  ++state.bounce;
+  state.ray = {ray_origin(c.scene, point.position, point.ng, next.wi), next.wi};
+  return true;
+}
+
+/// Under the surface and out again, where the lights are asked; false if the path ends in between.
+template <bool kCutouts>
+bool walk(const PathContext& c, const SurfacePoint& entry, uint32_t triangle, Vec3f n, PathSampler& sampler,
+          TileResult& tile, std::vector<Vec3f>& radiance, PathState& state) {
+  const Vec2f u_entry = sampler.next_pair();
+  WalkExit exit;
+  if (!walk_under_surface<kCutouts>(c.scene, entry, triangle, n, u_entry, sampler.random, tile.rays, exit))
+    return false;
+  state.throughput *= exit.weight;
+  const SurfacePoint point = surface_at(c.scene, exit.hit, exit.direction);
+  const PrincipledV1 bsdf = exit_bsdf_at(point, exit.direction);
+  sample_lights<kCutouts>(c, point, bsdf, state.throughput, sampler, tile, radiance);
+  const Vec2f u = sampler.next_pair();
+  return bounce_off(c, point, bsdf.sample(0, u.x, u.y), state);
+}
+
+/// One surface: false if the path ends there. At the first, the walk under it does not compete with the
+/// reflection: both are followed, the walk from `walked` on. That costs a walk more in one path of four and
+/// takes the noise of the choice away.
+template <bool kCutouts>
+bool advance(const PathContext& c, PathState& state, PathState& walked, bool& has_walked,
+             PathSampler& sampler, TileResult& tile, std::vector<Vec3f>& radiance) {
+  Hit hit;
+  if (!intersect<kCutouts>(c.scene, state.ray, sampler.random, tile.rays, hit)) {
+    // The camera sees no background: it is transparent.
+    if (state.bounce > 0)
+      add_environments(c, state.ray.direction, state.bsdf_pdf, state.throughput, tile, radiance);
+    return false;
+  }
+  if (state.bounce > c.max_bounces) return false;
+  if (state.bounce >= kRouletteFromBounce) {
+    const float survive = std::fmin(1.0f, std::sqrt(max_component(state.throughput)));
+    if (!(sampler.random.next() < survive)) return false;
+    state.throughput *= 1 / survive;
+  }
+  const Vec3f wo = -state.ray.direction;
+  const SurfacePoint point = surface_at(c.scene, hit, wo);
+  const bool enters = c.subsurface && !state.diffuse_ancestor && point.texel.sss > cycles::kLeastSubsurface;
+  const Vec3f n = cycles::ensure_valid_reflection(point.ng, wo, point.n);
+  const PrincipledV1 bsdf =
+      bsdf_at(point, n, wo, state.bounce == 0, enters ? DiffuseLobe::kRetroReflection : DiffuseLobe::kWhole);
+  if (bsdf.is_black()) return false;
+  sample_lights<kCutouts>(c, point, bsdf, state.throughput, sampler, tile, radiance);
+  const float u_lobe = sampler.next_pair().x;
+  const Vec2f u = sampler.next_pair();
+  const BsdfSample next = bsdf.sample(u_lobe, u.x, u.y);
+  if (enters && state.bounce == 0) {
+    walked = state;
+    has_walked = walk<kCutouts>(c, point, hit.triangle, n, sampler, tile, radiance, walked);
+    return !next.enters && bounce_off(c, point, next, state);
+  }
+  if (next.enters) {
+    // The walk's medium has the colour: the lobe's weight is only its share.
+    state.throughput *= 1 / next.pdf;
+    return walk<kCutouts>(c, point, hit.triangle, n, sampler, tile, radiance, state);
+  }
+  return bounce_off(c, point, next, state);
+}
+
+template <bool kCutouts>
+void trace_path(const PathContext& c, const Ray& camera_ray, PathSampler& sampler, TileResult& tile,
+                std::vector<Vec3f>& radiance) {
+  PathState state, walked;
+  state.ray = camera_ray;
+  bool has_walked = false;
+  while (true) {
+    if (advance<kCutouts>(c, state, walked, has_walked, sampler, tile, radiance)) continue;
+    if (!has_walked) return;
+    state = walked;
+    has_walked = false;
+  }
+}
+
+}  // namespace ohb
