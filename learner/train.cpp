@@ -19,7 +19,7 @@ namespace {
 using nlohmann::json;
 using torch::Tensor;
 
-enum Purpose : uint64_t { kLightPlace = 3, kMirror = 4 };
+enum Purpose : uint64_t { kLightPlace = 3, kMirror = 4, kRecolour = 5 };
 constexpr int64_t kMaxSkippedInARow = 10;
 constexpr double kFinalRate = 1e-6;
 
@@ -42,6 +42,7 @@ json header_of(const TrainOptions& o, const Split& split, int64_t steps) {
                  {"seed", o.seed},
                  {"trained_on", split.training},
                  {"held_out", split.held_out}};
+  if (o.recolour) header["recolour"] = true;
   // The schedule depends on the number of steps.
   if (o.cosine || o.warmup * 10 > steps) header["schedule_steps"] = steps;
   return header;
@@ -49,8 +50,9 @@ json header_of(const TrainOptions& o, const Split& split, int64_t steps) {
 
 void check_same(const json& before, const json& now, const fs::path& file) {
   json wanted = now;
-  if (before.contains("schedule_steps") && !now.contains("schedule_steps"))
-    wanted["schedule_steps"] = nullptr;
+  for (const char* only_where_it_matters : {"schedule_steps", "recolour"})
+    if (before.contains(only_where_it_matters) && !now.contains(only_where_it_matters))
+      wanted[only_where_it_matters] = nullptr;
   for (const auto& [key, value] : wanted.items())
     if (!before.contains(key) || before[key] != value)
       throw InputError(file.string(), key,
@@ -74,13 +76,39 @@ void mirror(Example& e) {
   m.normal.select(1, 0).neg_();
 }
 
-/// Half of the examples are mirrored if `mirror_key` is not 0: which ones is a function of key and position.
-Batch next_batch(Loader& loader, int size, uint64_t mirror_key, uint64_t position) {
+/// Another albedo under the same light: colour channels exchanged, and each scaled by a number in [0.5, 1],
+/// in the albedo and (but for highlights, exactly) in the picture. Nobody's skin is blue; but a few people's
+/// clothes have few colours, and a network that takes brown for leather has learnt those.
+void recolour(Example& e, uint64_t key) {
+  static constexpr int kOrders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+  const int* order = kOrders[static_cast<int>(uniform_of(key, 0) * 6) % 6];
+  const Tensor channels = torch::tensor({order[0], order[1], order[2]}, torch::kLong);
+  Tensor albedo = e.truth.diffuse.index_select(1, channels);
+  Tensor picture = (e.input.slice(1, 0, 3).index_select(1, channels) + 1) / 2;
+  for (int c = 0; c < 3; ++c) {
+    const double scale = 0.5 + 0.5 * uniform_of(key, static_cast<uint64_t>(1 + c));
+    albedo.select(1, c).mul_(scale);
+    picture.select(1, c).mul_(std::pow(scale, 1 / 2.4));
+  }
+  e.truth.diffuse = albedo;
+  e.input = torch::cat({picture * 2 - 1, e.input.slice(1, 3, 4)}, 1);
+}
+
+/// Keys of what is done to examples; 0: nothing.
+struct Augmentation {
+  uint64_t mirror_key = 0, recolour_key = 0;
+};
+
+/// Half of the examples are mirrored, another half recoloured: which ones is a function of key and position.
+Batch next_batch(Loader& loader, int size, const Augmentation& augmentation, uint64_t first_position) {
   std::vector<Example> examples;
   for (int i = 0; i < size; ++i) {
+    const uint64_t position = first_position + static_cast<uint64_t>(i);
     examples.push_back(loader.next());
-    if (mirror_key != 0 && uniform_of(mirror_key, position + static_cast<uint64_t>(i)) < 0.5)
+    if (augmentation.mirror_key != 0 && uniform_of(augmentation.mirror_key, position) < 0.5)
       mirror(examples.back());
+    if (augmentation.recolour_key != 0 && uniform_of(augmentation.recolour_key, position) < 0.5)
+      recolour(examples.back(), key_of({augmentation.recolour_key, position}));
   }
   const auto joined = [&](auto member) {
     std::vector<Tensor> parts;
@@ -252,14 +280,15 @@ TrainReport Trainer::run() {
            {"options", header_}});
   Loader loader(views_, {options_.size_px, options_.seed, static_cast<uint64_t>(first_step_ * options_.batch),
                          options_.loader_threads, 4 * options_.batch});
-  const uint64_t mirror_key = options_.mirror ? key_of({options_.seed, kMirror}) : 0;
+  const Augmentation augmentation{options_.mirror ? key_of({options_.seed, kMirror}) : 0,
+                                  options_.recolour ? key_of({options_.seed, kRecolour}) : 0};
   TrainProgress progress(first_step_, steps_, options_.quiet);
   const int64_t tenth = std::max<int64_t>(1, (steps_ - first_step_) / 10);
   Means logged, first, last;
   int64_t in_a_row = 0;
   for (int64_t number = first_step_ + 1; number <= steps_; ++number) {
-    const Batch batch =
-        next_batch(loader, options_.batch, mirror_key, static_cast<uint64_t>((number - 1) * options_.batch));
+    const Batch batch = next_batch(loader, options_.batch, augmentation,
+                                   static_cast<uint64_t>((number - 1) * options_.batch));
     const Step result = step(batch, number);
     in_a_row = result.finite() ? 0 : in_a_row + 1;
     if (result.finite()) {

@@ -168,8 +168,11 @@ TEST(Training, LossFallsOnTwoBalls) {
 TEST(Training, ResumedRunEqualsAnUninterruptedOneBitForBit) {
   TemporaryFolder folder;
   write_ball_dataset(folder / "data", 2, 3, 16);
-  train(options_of(folder, "whole", 20));
-  TrainOptions first = options_of(folder, "parts", 20);
+  TrainOptions whole = options_of(folder, "whole", 20);
+  whole.mirror = whole.recolour = true;
+  train(whole);
+  TrainOptions first = whole;
+  first.run = folder / "parts";
   first.checkpoint_every = 10;
   // As if killed after step 13: the checkpoint of step 10 is the last, the log goes further.
   train(first);
@@ -198,7 +201,9 @@ TEST(Training, RefusesToMixRuns) {
   o.learning_rate = 5e-3;
   expect_message(input_error_of([&] { train(o); }), {"learning_rate", "0.001", "0.005"});
   o = options_of(folder, "run", 3);
-  o.resume = true;
+  o.resume = o.recolour = true;
+  expect_message(input_error_of([&] { train(o); }), {"recolour", "unset", "true"});
+  o.recolour = false;
   EXPECT_EQ(train(o).first_step, 3) << "a finished run stays as it is";
 }
 
