@@ -35,7 +35,7 @@ train geometry 6000 2 5e-4
 train albedo 6000 2 5e-4
 train rss 3000 2 5e-4 --recolour
 for prior in geometry albedo rss; do priors+=("$out/runs/$prior"); done
-train finetune 3000 1 3e-4 --guidance priors --priors "${priors[@]}"
+train finetune 2000 1 3e-4 --recolour --guidance priors --priors "${priors[@]}"
 "$learner" evaluate "${priors[@]}" "$out/runs/finetune" --data "$out/open/samples" -o "$out/report"
 {
   cat "$out/report/evaluation.md"

@@ -178,10 +178,10 @@ def add_estimate(page):
     page.heading("7. From one picture", "The weights that come with the project never saw this person. From the picture on "
                  "the left they estimate six maps (upper row, 128 x 128 pixels); the truth is below. What they can and "
                  "cannot do: <code>assets/weights/model_card.md</code>.")
-    page.row([page.figure(estimate / "input.png", "input", 160)] +
-             [page.figure(estimate / f"{name}.png", f"{name}, estimated", 160) for name in MAPS])
-    page.row([page.figure(previews / "view_000.relit.studio.png", "the picture", 160)] +
-             [page.figure(previews / f"view_000.{name}.png", f"{name}, true", 160) for name in MAPS])
+    page.row([page.figure(estimate / "input.png", "input", 150)] +
+             [page.figure(estimate / f"{name}.png", f"{name}, estimated", 150) for name in MAPS])
+    page.row([page.figure(previews / "view_000.relit.studio.png", "the picture", 150)] +
+             [page.figure(previews / f"view_000.{name}.png", f"{name}, true", 150) for name in MAPS])
 
 
 def add_relit(page):

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "dataset/model/atomic_file.h"
@@ -25,6 +26,16 @@ std::string quoted(std::string text) {
   return "'" + text + "'";
 }
 
+/// Marks at 1, 2 and 5 of every decade: gnuplot's own are one a decade, which a short axis has none of.
+std::string tics(const char* axis) {
+  std::string list;
+  for (int decade = -4; decade <= 4; ++decade)
+    for (const int digit : {1, 2, 5})
+      list += fmt::format("{}'{:g}' {}e{}", list.empty() ? "" : ", ", digit * std::pow(10.0, decade), digit,
+                          decade);
+  return fmt::format("set {}tics ({})\n", axis, list);
+}
+
 std::string plot_script(const SpeedAccuracy& chart) {
   std::string script;
   const std::vector<std::string> names = series_of(chart);
@@ -42,6 +53,7 @@ std::string plot_script(const SpeedAccuracy& chart) {
   script +=
       "set logscale xy\nset autoscale noextend\nset offsets graph 0.05, graph 0.05, graph 0.05, graph "
       "0.05\nset grid\nset key outside right top\n";
+  script += tics("x") + tics("y");
   script += "set xlabel 'seconds of one image (of all its lights), loading included'\n";
   script += "set ylabel 'error: root mean square, % of the picture'\n";
   script += "set title " +
