@@ -15,7 +15,7 @@ program=${PROGRAM:-$(dirname "$0")/../../build/release/bin/openhumanbrdf}
 world=$(dirname "$(dirname "$(readlink -f "$(command -v blender)")")")/share/blender/datafiles/studiolights/world
 environments=${ENVIRONMENTS:-$world/sunset.exr $world/forest.exr}
 # shellcheck disable=SC2206
-options=(${OPTIONS:---size 256 --spp 128 --seeds 8 --focus 1500})
+options=(${OPTIONS:---size 256 --spp 128 --seeds 8 --focus 1500 --subsurface diffuse})
 mkdir -p "$out"
 
 make_model() {
