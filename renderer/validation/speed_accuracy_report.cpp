@@ -116,13 +116,16 @@ std::string speed_accuracy_json(const SpeedAccuracy& chart) {
 
 void draw_speed_accuracy(const SpeedAccuracy& chart, const fs::path& folder) {
   write_file_atomically(folder / "chart.gp", plot_script(chart));
+  // gnuplot goes to the folder first, so the script's own path must not depend on where we are.
+  const fs::path there = fs::absolute(folder);
   const ProcessResult result =
-      run_process({"gnuplot", "-e", "cd " + quoted(folder.string()), (folder / "chart.gp").string()}, {},
+      run_process({"gnuplot", "-e", "cd " + quoted(there.string()), (there / "chart.gp").string()}, {},
                   [](const std::string&) {});
-  if (result.exit_code != 0)
-    throw InputError("gnuplot", "chart.gp",
-                     "failed: " + (result.last_lines.empty() ? "no message" : result.last_lines.back()),
-                     "install gnuplot-nox 5.4 or later");
+  if (result.exit_code == 0) return;
+  std::string message = "no message";
+  for (const std::string& line : result.last_lines)
+    if (line.find_first_not_of(" ^\t") != std::string::npos) message = line;
+  throw InputError("gnuplot", "chart.gp", "failed: " + message, "install gnuplot-nox 5.4 or later");
 }
 
 }  // namespace ohb

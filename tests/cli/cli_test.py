@@ -236,6 +236,10 @@ class Commands(unittest.TestCase):
             self.assertGreater(low / high, 1.6, series)
             self.assertLess(low / high, 6, series)
         self.assertTrue(any(p["on_front"] for p in report["points"]))
+        # A relative folder: gnuplot changes into it.
+        result = run(*arguments[:-1], os.path.relpath(self.folder / "relative"))
+        self.assertEqual(result.returncode, DONE, result.stderr)
+        self.assertTrue((self.folder / "relative" / "chart.svg").exists())
         self.expect_refusal(run(*arguments[:-1], self.folder / "x", "--blender", "/bin/false"), "/bin/false")
         self.assertFalse((self.folder / "x").exists())
 
