@@ -28,10 +28,11 @@ install_packages() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-# build_preset NAME [--target T...]
+# build_preset NAME [--target T...]; configure=(-D...) is passed on to CMake
+configure=()
 build_preset() {
   local preset=$1
   shift
-  cmake --preset "$preset" >/dev/null
+  cmake --preset "$preset" "${configure[@]}" >/dev/null
   cmake --build --preset "$preset" -j "$(nproc)" "$@" -- --quiet
 }
