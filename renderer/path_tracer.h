@@ -11,6 +11,7 @@
 #include "renderer/surface.h"
 
 namespace ohb {
+
 constexpr int kCandidates = 4;               // directions of an environment that compete for a shadow ray
 constexpr float kLatticeStep = 0.61803399f;  // golden section: a lattice of any size is even
 constexpr int kRouletteFromBounce = 2;       // Cycles: the continuation test starts at the third surface

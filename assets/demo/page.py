@@ -132,7 +132,7 @@ def add_validation(page):
 def add_chart(page):
     folder = page.out / "chart"
     report = read_json(folder / "chart.json")
-    page.heading("5. Error against time", "The same view with 4 and 16 paths a pixel, here and in Cycles "
+    page.heading("5. Error against time", "The same view with 4, 16 and 64 paths a pixel, here and in Cycles "
                  "(<code>openhumanbrdf chart speed-accuracy</code>; times of this run, on this machine).")
     page.row([page.figure(folder / "chart.svg", "error of one image against its time, loading included", 820)])
     for ratio in report["times_to_equal_error"]:

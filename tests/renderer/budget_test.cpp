@@ -67,7 +67,7 @@ struct Fixture {
   std::shared_ptr<const LightSet> lights;
   RenderSettings settings;
   Fixture() {
-    // A mirror-like floor of highlights over which a dull ball hovers: noise differs by place.
+    // A shiny, wavy ball under a sun: some pixels are many times noisier than others.
     TestMaterial shiny;
     shiny.roughness = 0.25f;
     shiny.specular = 0.6f;
