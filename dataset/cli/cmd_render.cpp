@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -13,6 +15,8 @@ struct Options {
   std::string model, output, views = "1", subsurface = "walk", sampling = "adaptive";
   std::vector<std::string> environments, points;
   int size_px = 512, spp = 256, bounces = 32;
+  double error = 0;
+  int max_spp = ErrorGoal().max_spp;
 };
 
 int run_render(const Options& options, const CommonOptions& common) {
@@ -24,6 +28,7 @@ int run_render(const Options& options, const CommonOptions& common) {
   job.views = parse_views(options.views);
   job.settings.size_px = options.size_px;
   job.settings.spp = options.spp;
+  if (options.error > 0) job.goal = ErrorGoal{options.error, options.max_spp};
   job.settings.max_bounces = options.bounces;
   job.settings.adaptive = options.sampling == "adaptive";
   job.settings.subsurface = options.subsurface == "walk";
@@ -49,7 +54,23 @@ int run_render(const Options& options, const CommonOptions& common) {
     std::printf("%.1f s for the lights, %.2f million paths/s, %.2f million rays/s, loading %.1f s\n", seconds,
                 1e-6 * static_cast<double>(paths) / seconds, 1e-6 * static_cast<double>(rays) / seconds,
                 report.load_seconds);
+  for (const RenderedView& view : report.views)
+    if (const RegionError* worst = view.error.worst())
+      std::printf("view %d: %.0f paths a pixel, relative error %.3g (%s under %s)\n", view.view,
+                  view.error.spp, worst->relative_error, worst->region.c_str(), worst->light.c_str());
   return 0;
+}
+
+/// CLI::Range lets NaN through.
+CLI::Validator within(double low, double high) {
+  return CLI::Validator(
+      [=](const std::string& text) {
+        double value = 0;
+        return CLI::detail::lexical_cast(text, value) && value >= low && value <= high
+                   ? std::string()
+                   : fmt::format("{} is not a number from {} to {}", text, low, high);
+      },
+      "NUMBER");
 }
 
 }  // namespace
@@ -68,8 +89,20 @@ void add_render_command(CLI::App& app, Commands& commands) {
   command->add_option("--size", options->size_px, "width and height in pixels")
       ->check(CLI::Range(1, 16384))
       ->capture_default_str();
-  command->add_option("--spp", options->spp, "paths a pixel")
-      ->check(CLI::Range(1, 1 << 24))
+  CLI::Option* spp = command->add_option("--spp", options->spp, "paths a pixel")
+                         ->check(CLI::Range(1, 1 << 24))
+                         ->capture_default_str();
+  CLI::Option* error =
+      command
+          ->add_option(
+              "--error", options->error,
+              "instead of --spp: paths until the estimated relative error of every light's image, and "
+              "of each class in it, is below this")
+          ->check(within(1e-4, 1.0))
+          ->excludes(spp);
+  command->add_option("--max-spp", options->max_spp, "paths a pixel at most with --error")
+      ->check(CLI::Range(16, 1 << 24))
+      ->needs(error)
       ->capture_default_str();
   command->add_option("--bounces", options->bounces, "indirect bounces at most")
       ->check(CLI::Range(0, 1024))
@@ -90,7 +123,8 @@ void add_render_command(CLI::App& app, Commands& commands) {
   command->footer(
       "Examples:\n"
       "  openhumanbrdf render model --environment studio.exr --environment sunset.exr --views 8 -o samples\n"
-      "  openhumanbrdf render model --point 100,220,200,5 --views 100:0,25 --size 256 --spp 64 -o samples\n"
+      "  openhumanbrdf render model --point 100,220,200,5 --views 100:0,25 --size 256 --error 0.02 -o "
+      "samples\n"
       "An interrupted run goes on where it stopped when the same command is given again.");
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_render(*options, commands.common); };

@@ -27,8 +27,8 @@ Progress::Progress(std::string label, size_t total, bool quiet)
 Progress::~Progress() {
   const double seconds = seconds_between(start_, std::chrono::steady_clock::now());
   if (quiet_ || seconds < kQuietSeconds) return;
-  std::fprintf(stderr, "%s%s: %zu of %zu in %.1f s%s\n", terminal_ ? "\r" : "", label_.c_str(), done_, total_,
-               seconds, terminal_ ? "                                        " : "");
+  std::fprintf(stderr, "%s%s: %zu of %zu in %.1f s %s%s\n", terminal_ ? "\r" : "", label_.c_str(), done_,
+               total_, seconds, note_.c_str(), terminal_ ? "                                        " : "");
 }
 
 void Progress::add(size_t steps) {
@@ -42,13 +42,19 @@ void Progress::add(size_t steps) {
   draw(seconds_between(start_, now));
 }
 
+void Progress::note(std::string words) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  note_ = std::move(words);
+}
+
 void Progress::draw(double seconds) {
   const double share = total_ ? static_cast<double>(done_) / static_cast<double>(total_) : 1;
   char bar[kBarWidth + 1];
   for (int i = 0; i < kBarWidth; ++i) bar[i] = i < share * kBarWidth ? '#' : '.';
   bar[kBarWidth] = 0;
   const double left = share > 0 ? seconds * (1 - share) / share : 0;
-  std::fprintf(stderr, "\r%s [%s] %3.0f %%  %.0f s left   ", label_.c_str(), bar, 100 * share, left);
+  std::fprintf(stderr, "\r%s [%s] %3.0f %%  %.0f s left %s   ", label_.c_str(), bar, 100 * share, left,
+               note_.c_str());
 }
 
 }  // namespace ohb

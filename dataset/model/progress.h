@@ -15,11 +15,13 @@ class Progress {
   Progress(std::string label, size_t total, bool quiet = false);
   ~Progress();
   void add(size_t steps = 1);
+  /// Words that follow the bar from now on.
+  void note(std::string words);
 
  private:
   void draw(double seconds);
 
-  std::string label_;
+  std::string label_, note_;
   size_t total_, done_ = 0;
   bool quiet_, terminal_;
   std::chrono::steady_clock::time_point start_, last_drawn_;

@@ -1,10 +1,12 @@
 #include "dataset/production/render_samples.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -55,7 +57,7 @@ ExrAttributes attributes_of(const RenderJob& job, const Model& model, const std:
       {"ohb:viewCount", std::to_string(job.views.count)},
       {"ohb:turn_deg", shortest(360.0 * view / job.views.count)},
       {"ohb:seed", std::to_string(s.seed)},
-      {"ohb:spp", std::to_string(s.spp)},
+      {job.goal ? "ohb:maxSpp" : "ohb:spp", std::to_string(job.goal ? job.goal->max_spp : s.spp)},
       {"ohb:sampling", s.adaptive ? "adaptive" : "even"},
       {"ohb:maxBounces", std::to_string(s.max_bounces)},
       {"ohb:mapGrid", std::to_string(s.map_grid)},
@@ -71,6 +73,7 @@ ExrAttributes attributes_of(const RenderJob& job, const Model& model, const std:
        "relit: linear Rec. 709, premultiplied by mask"},
       {"ohb:toolVersion", OHB_VERSION},
   };
+  if (job.goal) a.emplace_back("ohb:error", shortest(job.goal->relative_error));
   for (const Environment& environment : environments)
     a.emplace_back("ohb:environment." + environment.name, environment.sha256);
   for (const PointLight& light : job.points)
@@ -80,12 +83,23 @@ ExrAttributes attributes_of(const RenderJob& job, const Model& model, const std:
   return a;
 }
 
+// What rendering found out, which no parameter says beforehand.
+constexpr const char* kReached = "ohb:reached.";
+
+void add_reached(const ErrorReport& error, ExrAttributes& attributes) {
+  attributes.emplace_back(std::string(kReached) + "spp", fmt::format("{:.1f}", error.spp));
+  for (const RegionError& e : error.errors)
+    attributes.emplace_back(kReached + ("error." + e.light) + "." + e.region,
+                            fmt::format("{:.4g}", e.relative_error));
+}
+
 // Written by this version with these parameters? Anything else (another file, a broken one) is rendered anew.
 bool is_done(const fs::path& file, ExrAttributes wanted) {
   if (!fs::exists(file)) return false;
   try {
     ExrAttributes found;
-    for (auto& attribute : read_sample(file).attributes) found.push_back(attribute);
+    for (auto& attribute : read_sample(file).attributes)
+      if (attribute.first.rfind(kReached, 0) != 0) found.push_back(attribute);
     std::sort(found.begin(), found.end());
     std::sort(wanted.begin(), wanted.end());
     return found == wanted;
@@ -112,11 +126,21 @@ bool has_subsurface(const Model& model) {
   return false;
 }
 
+nlohmann::json error_json(const ErrorGoal& goal, const ErrorReport& error) {
+  nlohmann::json json = {{"goal", goal.relative_error}, {"met", error.met}, {"spp", error.spp}};
+  for (const RegionError& e : error.errors)
+    json["reached"].push_back({{"light", e.light},
+                               {"region", e.region},
+                               {"pixels", e.pixels},
+                               {"relative_error", e.relative_error}});
+  return json;
+}
+
 void write_render_json(const RenderJob& job, const RenderReport& report) {
   nlohmann::json json;
   json["load_s"] = report.load_seconds;
   json["subsurface_replaced_by_diffuse"] = report.subsurface_replaced;
-  for (const RenderedView& view : report.views)
+  for (const RenderedView& view : report.views) {
     json["views"].push_back({{"view", view.view},
                              {"file", view.file.filename().string()},
                              {"was_there", view.was_there},
@@ -128,7 +152,39 @@ void write_render_json(const RenderJob& job, const RenderReport& report) {
                              {"walks", view.statistics.walks},
                              {"walk_segments", view.statistics.walk_segments},
                              {"nonfinite_left_out", view.statistics.nonfinite}});
+    if (job.goal && !view.was_there) json["views"].back()["error"] = error_json(*job.goal, view.error);
+  }
   write_file_atomically(job.output / "render.json", json.dump(2) + "\n");
+}
+
+/// To the goal, with a warning if it is not reached. Progress counts pixels: as many are done as the share of
+/// the goal's paths that the error says.
+std::vector<SampleLight> render_goal(const Scene& scene, const LightSet& lights, const Camera& camera,
+                                     double turn_rad, const RenderSettings& settings, const ErrorGoal& goal,
+                                     RenderedView& rendered, Progress& progress) {
+  const size_t pixels = static_cast<size_t>(settings.size_px) * settings.size_px;
+  size_t shown = 0;
+  const auto show = [&](double share) {
+    const size_t done = std::max(shown, static_cast<size_t>(share * static_cast<double>(pixels)));
+    progress.add(done - shown);
+    shown = done;
+  };
+  std::vector<SampleLight> images = render_to_error(
+      scene, lights, camera, turn_rad, settings, goal, rendered.error, &rendered.statistics,
+      [](size_t) { throw_if_interrupted(); },
+      [&](double error) {
+        progress.note(fmt::format("error {:.3g} of {:.3g}", error, goal.relative_error));
+        show(std::isfinite(error) ? std::min(1.0, std::pow(goal.relative_error / error, 2)) : 0);
+      });
+  show(1);
+  const RegionError* worst = rendered.error.worst();
+  if (!rendered.error.met && worst)
+    spdlog::warn(
+        "view {}: the error is {:.3g} instead of {:.3g} ({} under {}) after {:.0f} paths a pixel; for less, "
+        "raise --max-spp",
+        rendered.view, worst->relative_error, goal.relative_error, worst->region, worst->light,
+        rendered.error.spp);
+  return images;
 }
 
 std::string view_name(int view) {
@@ -217,14 +273,17 @@ RenderReport render_samples(const RenderJob& job) {
       Sample sample = render_maps(*scene, camera, turn_rad, settings, [](size_t) { throw_if_interrupted(); });
       rendered.map_seconds = seconds_since(map_start);
       sample.lights =
-          render_lights(*scene, *lights, camera, turn_rad, settings, &rendered.statistics, [&](size_t n) {
-            throw_if_interrupted();
-            progress.add(n);
-          });
+          job.goal ? render_goal(*scene, *lights, camera, turn_rad, settings, *job.goal, rendered, progress)
+                   : render_lights(*scene, *lights, camera, turn_rad, settings, &rendered.statistics,
+                                   [&](size_t n) {
+                                     throw_if_interrupted();
+                                     progress.add(n);
+                                   });
       if (rendered.statistics.nonfinite > 0)
         spdlog::warn("view {}: {} contributions were NaN or infinite and left out", view,
                      rendered.statistics.nonfinite);
       sample.attributes = attributes;
+      if (job.goal) add_reached(rendered.error, sample.attributes);
       write_previews(job.output / "previews", view_name(view), sample);
       write_sample(rendered.file, sample);
     }

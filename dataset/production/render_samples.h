@@ -2,10 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "renderer/render.h"
+#include "renderer/render_to_error.h"
 
 namespace ohb {
 
@@ -26,7 +27,8 @@ struct RenderJob {
   std::vector<std::filesystem::path> environments;
   std::vector<PointLight> points;
   ViewList views;
-  RenderSettings settings;  // seed is the job's; each view derives its own
+  RenderSettings settings;        // seed is the job's; each view derives its own
+  std::optional<ErrorGoal> goal;  // instead of settings.spp
   std::filesystem::path output;
   bool quiet = false;  // no progress bar
 };
@@ -37,6 +39,7 @@ struct RenderedView {
   bool was_there = false;  // an earlier run had written it with the same parameters
   double map_seconds = 0;
   RenderStatistics statistics;
+  ErrorReport error;  // of a goal; empty if the view was there
 };
 
 struct RenderReport {

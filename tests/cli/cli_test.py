@@ -137,6 +137,30 @@ class Commands(unittest.TestCase):
         self.assertEqual(self.render(output).returncode, DONE)
         self.assertEqual(digest(output), before)
 
+    def test_error_goal(self):
+        arguments = ["render", self.folder / "model", "--environment", self.environment, "--size", 48, "--json", "-o"]
+        result = run(*arguments, self.folder / "goal", "--error", 0.05)
+        self.assertEqual(result.returncode, DONE, result.stderr)
+        error = json.loads(result.stdout)["views"][0]["error"]
+        self.assertTrue(error["met"])
+        self.assertEqual({row["region"] for row in error["reached"]} & {"subject"}, {"subject"})
+        self.assertTrue(all(row["relative_error"] < 0.06 for row in error["reached"]))
+        before = digest(self.folder / "goal")
+        again = json.loads(run(*arguments, self.folder / "goal", "--error", 0.05).stdout)
+        self.assertTrue(again["views"][0]["was_there"])
+        result = run(*arguments, self.folder / "goal2", "--error", 0.05, "--threads", 1)
+        self.assertEqual(digest(self.folder / "goal2"), before)
+        # Too few paths for it: written, with a warning that names what was reached.
+        result = run(*arguments, self.folder / "short", "--error", 0.001, "--max-spp", 32)
+        self.assertEqual(result.returncode, DONE, result.stderr)
+        self.assertIn("instead of 0.001", result.stderr)
+        self.assertFalse(json.loads(result.stdout)["views"][0]["error"]["met"])
+        self.expect_refusal(run(*arguments, self.folder / "x", "--error", 0.1, "--spp", 4), "--spp", "--error")
+        for value in ("0", "-1", "2", "nan", "much"):
+            self.expect_refusal(run(*arguments, self.folder / "x", "--error", value), "--error")
+        self.expect_refusal(run(*arguments, self.folder / "x", "--max-spp", 64), "--error")
+        self.assertFalse((self.folder / "x").exists())
+
     def test_stops_on_sigterm_and_goes_on(self):
         output = self.folder / "stopped"
         arguments = ["render", self.folder / "model", "--environment", self.environment, "--size", 256, "--spp", 400,
