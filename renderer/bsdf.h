@@ -125,6 +125,13 @@ class PrincipledV1 {
 
   bool is_black() const { return !has_diffuse_ && !has_specular_; }
 
+  /// Factor on what enters the medium, which has the colour.
+  float entry_weight() const { return 1; }
+  /// The normal that walks are guided along.
+  Vec3f entry_axis() const { return n_; }
+  /// Cosine about -n.
+  Vec3f entry_direction(Vec2f u) const { return Frame(-n_).to_world(sample_cosine_hemisphere(u.x, u.y)); }
+
  private:
   // Cycles' sample weights: mean albedo against the Fresnel reflectance towards the viewer.
   void choose_lobes(bool first_hit) {

@@ -10,8 +10,13 @@ namespace ohb::cycles {
 
 /// Closures whose colour is below this are not made (3.x to 4.x, CLOSURE_WEIGHT_CUTOFF).
 constexpr float kClosureWeightCutoff = 1e-5f;
-/// GGX narrower than this (alpha squared) is a mirror (3.x to 4.2).
-constexpr float kMirrorAlpha2 = 1e-7f;
+/// GGX narrower than this (alpha squared) is a mirror (3.x to 4.2; from 4.3).
+constexpr float kMirrorAlpha2 = 1e-7f, kMirrorAlpha2V2 = 2e-10f;
+/// The index of refraction comes from a reflectance of at most this (4.x).
+constexpr float kMostF0V2 = 0.99f;
+/// Index of refraction of the surface that light enters the medium by (4.x, random walk for skin, its
+/// default).
+constexpr float kSkinEntryEta = 1.4f;
 /// The value that stands for the infinite density of a mirror (3.x).
 constexpr float kMirrorDensity = 1e6f;
 /// At the first hit each lobe is chosen with at least this share (3.x).
@@ -32,7 +37,8 @@ constexpr float kSubsurfaceLobeWeight = 3;
 constexpr bool kEnvironmentWrapsPoles = true;
 
 /// The normal, turned towards ng in the plane of both just so far that the mirror direction of wo about it
-/// leaves the surface: dot(reflect(wo), ng) >= min(0.9 dot(ng, wo), 0.01). Applied to every lobe (up to 3.5).
+/// leaves the surface: dot(reflect(wo), ng) >= min(0.9 dot(ng, wo), 0.01). Applied to every lobe (up to 3.5),
+/// or to all but the diffuse one (from 3.6).
 /// With n' = sin(p) x + cos(p) ng and wo = wx x + wz ng + ..., dot(reflect(wo), ng) = wx sin 2p + wz cos 2p.
 inline Vec3f ensure_valid_reflection(Vec3f ng, Vec3f wo, Vec3f n) {
   const float wz = dot(wo, ng);
@@ -66,6 +72,17 @@ inline float bump_terminator(Vec3f ns, Vec3f n, Vec3f wi) {
   if (g >= 1) return 1;
   if (g < 0) return 0;
   return g * (1 + g * (1 - g));
+}
+
+/// The same from 4.5 on (Estevez et al. 2019, equations 3 and 4, with the angle to ns): masking of GGX as
+/// wide as the normal is tilted.
+inline float bump_terminator_v2(Vec3f ns, Vec3f n, Vec3f wi) {
+  const float cos_i = dot(ns, wi), cos_tilt = dot(ns, n);
+  if (cos_i * cos_tilt * dot(n, wi) < 0) return 0;
+  if (std::fabs(cos_tilt) >= 1 || std::fabs(cos_i) >= 1) return 1;
+  if (std::fabs(cos_i) < 1e-6f) return 0;
+  const float alpha2 = std::clamp(0.125f * (1 / (cos_tilt * cos_tilt) - 1), 0.0f, 1.0f);
+  return 2 / (1 + std::sqrt(1 + alpha2 * (1 / (cos_i * cos_i) - 1)));
 }
 
 }  // namespace ohb::cycles

@@ -49,9 +49,9 @@ inline void add(Vec3f contribution, Vec3f& sum, TileResult& tile) {
 /// One shadow ray to one of several directions that the environment suggests, chosen by what each would
 /// bring if it is not shadowed (resampled importance sampling, Talbot et al. 2005, equation 6). The
 /// candidates are a lattice shifted by u, so that they spread over the light.
-template <bool kCutouts>
+template <bool kCutouts, class Bsdf>
 void sample_environment(const PathContext& c, const EnvironmentLight& light, const SurfacePoint& point,
-                        const PrincipledV1& bsdf, Vec3f throughput, Vec2f u, float u_choice, TileResult& tile,
+                        const Bsdf& bsdf, Vec3f throughput, Vec2f u, float u_choice, TileResult& tile,
                         Vec3f& radiance) {
   float sum = 0;
   Vec3f chosen_wi, chosen_value;
@@ -87,9 +87,9 @@ void sample_environment(const PathContext& c, const EnvironmentLight& light, con
     add(chosen_value * (visible * sum / (chosen_weight * static_cast<float>(kCandidates))), radiance, tile);
 }
 
-template <bool kCutouts>
-void sample_lights(const PathContext& c, const SurfacePoint& point, const PrincipledV1& bsdf,
-                   Vec3f throughput, PathSampler& sampler, TileResult& tile, std::vector<Vec3f>& radiance) {
+template <bool kCutouts, class Bsdf>
+void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, Vec3f throughput,
+                   PathSampler& sampler, TileResult& tile, std::vector<Vec3f>& radiance) {
   // One set of numbers for all lights: each light's image is unbiased by itself.
   const Vec2f u = sampler.next_pair();
   const float u_choice = sampler.random.next();
@@ -144,16 +144,17 @@ inline bool bounce_off(const PathContext& c, const SurfacePoint& point, const Bs
 }
 
 /// Under the surface and out again, where the lights are asked; false if the path ends in between.
-template <bool kCutouts>
-bool walk(const PathContext& c, const SurfacePoint& entry, uint32_t triangle, Vec3f n, PathSampler& sampler,
-          TileResult& tile, std::vector<Vec3f>& radiance, PathState& state) {
-  const Vec2f u_entry = sampler.next_pair();
+template <bool kCutouts, class Bsdf>
+bool walk(const PathContext& c, const SurfacePoint& entry, const Bsdf& entry_bsdf, uint32_t triangle,
+          PathSampler& sampler, TileResult& tile, std::vector<Vec3f>& radiance, PathState& state) {
+  const Vec3f inwards = entry_bsdf.entry_direction(sampler.next_pair());
   WalkExit exit;
-  if (!walk_under_surface<kCutouts>(c.scene, entry, triangle, n, u_entry, sampler.random, tile.rays, exit))
+  if (!walk_under_surface<kCutouts>(c.scene, entry, triangle, entry_bsdf.entry_axis(), inwards,
+                                    sampler.random, tile.rays, exit))
     return false;
-  state.throughput *= exit.weight;
+  state.throughput *= entry_bsdf.entry_weight() * exit.weight;
   const SurfacePoint point = surface_at(c.scene, exit.hit, exit.direction);
-  const PrincipledV1 bsdf = exit_bsdf_at(point, exit.direction);
+  const Bsdf bsdf = exit_bsdf_at<Bsdf>(point, exit.direction);
   sample_lights<kCutouts>(c, point, bsdf, state.throughput, sampler, tile, radiance);
   const Vec2f u = sampler.next_pair();
   return bounce_off(c, point, bsdf.sample(0, u.x, u.y), state);
@@ -162,7 +163,7 @@ bool walk(const PathContext& c, const SurfacePoint& entry, uint32_t triangle, Ve
 /// One surface: false if the path ends there. At the first, the walk under it does not compete with the
 /// reflection: both are followed, the walk from `walked` on. That costs a walk more in one path of four and
 /// takes the noise of the choice away.
-template <bool kCutouts>
+template <bool kCutouts, class Bsdf>
 bool advance(const PathContext& c, PathState& state, PathState& walked, bool& has_walked,
              PathSampler& sampler, TileResult& tile, std::vector<Vec3f>& radiance) {
   Hit hit;
@@ -180,40 +181,46 @@ bool advance(const PathContext& c, PathState& state, PathState& walked, bool& ha
   }
   const Vec3f wo = -state.ray.direction;
   const SurfacePoint point = surface_at(c.scene, hit, wo);
-  const bool enters = c.subsurface && !state.diffuse_ancestor && point.texel.sss > cycles::kLeastSubsurface;
-  const Vec3f n = cycles::ensure_valid_reflection(point.ng, wo, point.n);
-  const PrincipledV1 bsdf =
-      bsdf_at(point, n, wo, state.bounce == 0, enters ? DiffuseLobe::kRetroReflection : DiffuseLobe::kWhole);
+  UnderSurface under = UnderSurface::kNone;
+  if (c.subsurface && point.texel.sss > cycles::kLeastSubsurface)
+    under = state.diffuse_ancestor ? UnderSurface::kDiffuse : UnderSurface::kWalk;
+  const Bsdf bsdf = bsdf_at<Bsdf>(point, wo, state.bounce == 0, under);
   if (bsdf.is_black()) return false;
   sample_lights<kCutouts>(c, point, bsdf, state.throughput, sampler, tile, radiance);
   const float u_lobe = sampler.next_pair().x;
   const Vec2f u = sampler.next_pair();
   const BsdfSample next = bsdf.sample(u_lobe, u.x, u.y);
-  if (enters && state.bounce == 0) {
+  if (under == UnderSurface::kWalk && state.bounce == 0) {
     walked = state;
-    has_walked = walk<kCutouts>(c, point, hit.triangle, n, sampler, tile, radiance, walked);
+    has_walked = walk<kCutouts>(c, point, bsdf, hit.triangle, sampler, tile, radiance, walked);
     return !next.enters && bounce_off(c, point, next, state);
   }
   if (next.enters) {
     // The walk's medium has the colour: the lobe's weight is only its share.
     state.throughput *= 1 / next.pdf;
-    return walk<kCutouts>(c, point, hit.triangle, n, sampler, tile, radiance, state);
+    return walk<kCutouts>(c, point, bsdf, hit.triangle, sampler, tile, radiance, state);
   }
   return bounce_off(c, point, next, state);
 }
 
-template <bool kCutouts>
+template <bool kCutouts, class Bsdf>
 void trace_path(const PathContext& c, const Ray& camera_ray, PathSampler& sampler, TileResult& tile,
                 std::vector<Vec3f>& radiance) {
   PathState state, walked;
   state.ray = camera_ray;
   bool has_walked = false;
   while (true) {
-    if (advance<kCutouts>(c, state, walked, has_walked, sampler, tile, radiance)) continue;
+    if (advance<kCutouts, Bsdf>(c, state, walked, has_walked, sampler, tile, radiance)) continue;
     if (!has_walked) return;
     state = walked;
     has_walked = false;
   }
 }
+
+// Compiled apart, in path_tracer_v2.cpp: in one unit the compiler inlines less of each model.
+extern template void trace_path<false, PrincipledV2>(const PathContext&, const Ray&, PathSampler&,
+                                                     TileResult&, std::vector<Vec3f>&);
+extern template void trace_path<true, PrincipledV2>(const PathContext&, const Ray&, PathSampler&, TileResult&,
+                                                    std::vector<Vec3f>&);
 
 }  // namespace ohb

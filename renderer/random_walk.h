@@ -154,12 +154,12 @@ bool intersect_solid(const Scene& scene, const Ray& ray, float t_far, uint32_t s
 
 /// Walks from `entry` (seen from outside) until the surface is met again. False if it never is: killed at the
 /// entry, absorbed, or not out after cycles::kMaxWalkSegments, which loses energy that Cycles loses too.
-/// u: the two numbers of the entry direction, cosine about -n.
+/// n: the axis that walks are guided along.
 template <bool kCutouts>
-bool walk_under_surface(const Scene& scene, const SurfacePoint& entry, uint32_t triangle, Vec3f n, Vec2f u,
-                        Random& random, RayCounts& counts, WalkExit& exit) {
+bool walk_under_surface(const Scene& scene, const SurfacePoint& entry, uint32_t triangle, Vec3f n,
+                        Vec3f entry_direction, Random& random, RayCounts& counts, WalkExit& exit) {
   ++counts.walks;
-  Ray ray{entry.position, Frame(-n).to_world(sample_cosine_hemisphere(u.x, u.y))};
+  Ray ray{entry.position, entry_direction};
   if (!(dot(entry.ng, ray.direction) < 0)) return false;
   const SubsurfaceMedium medium =
       subsurface_medium(entry.texel.albedo, subsurface_radius_cm(entry.texel.sss));

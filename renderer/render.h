@@ -27,6 +27,10 @@ struct PixelBox {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 };
 
+/// How surfaces reflect: Blender's Principled BSDF as Cycles 3.4 has it (v1: diffuse and highlight added) or
+/// as Cycles 4.5 has it (v2: layered, keeps energy). docs/conventions.md says what the maps mean to each.
+enum class ShadingModel { kV1, kV2 };
+
 struct RenderSettings {
   int size_px = 512;     // square image
   int spp = 256;         // paths a pixel, each serving every light
@@ -36,6 +40,7 @@ struct RenderSettings {
   /// error for the work. Unbiased: an eighth of it goes into pilot images that are not used otherwise. From
   /// 32 on.
   bool adaptive = false;
+  ShadingModel model = ShadingModel::kV1;
   bool subsurface = true;  // false: skin reflects diffusely instead
   int map_grid = 8;        // the maps average map_grid x map_grid points a pixel
   /// Cycles sends sample 0 of each pixel through the centre; set it to equal Cycles at the same spp.

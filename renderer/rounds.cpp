@@ -16,7 +16,7 @@ namespace {
 constexpr int kTile_px = 16;
 constexpr uint64_t kPilotSeeds = 0x70696c6f74ull;
 
-template <bool kCutouts>
+template <bool kCutouts, class Bsdf>
 TileResult render_tile(const Picture& picture, const PathRange& paths,
                        const tbb::blocked_range2d<int>& tile_range, std::vector<SampleLight>& images,
                        std::vector<RecordedRay>* record) {
@@ -36,7 +36,7 @@ TileResult render_tile(const Picture& picture, const PathRange& paths,
         const bool centre = s == 0 && picture.settings.first_sample_at_centre;
         const Ray ray = picture.view.ray(static_cast<float>(x) + (centre ? 0.5f : jitter.x),
                                          static_cast<float>(y) + (centre ? 0.5f : jitter.y));
-        trace_path<kCutouts>(picture.context, ray, sampler, tile, radiance);
+        trace_path<kCutouts, Bsdf>(picture.context, ray, sampler, tile, radiance);
       }
       tile.paths += count;
       for (size_t l = 0; l < radiance.size(); ++l) {
@@ -46,6 +46,15 @@ TileResult render_tile(const Picture& picture, const PathRange& paths,
       }
     }
   return tile;
+}
+
+TileResult render_tile(const Picture& picture, const PathRange& paths, const tbb::blocked_range2d<int>& range,
+                       std::vector<SampleLight>& images, std::vector<RecordedRay>* record) {
+  const bool cutouts = picture.context.scene.cutout != nullptr;
+  const auto render = picture.settings.model == ShadingModel::kV1
+                          ? (cutouts ? render_tile<true, PrincipledV1> : render_tile<false, PrincipledV1>)
+                          : (cutouts ? render_tile<true, PrincipledV2> : render_tile<false, PrincipledV2>);
+  return render(picture, paths, range, images, record);
 }
 
 std::vector<SampleLight> black_images(const LightSet& lights, int size_px) {
@@ -82,7 +91,6 @@ std::vector<uint32_t> Picture::even_budget(int spp) const {
 
 std::vector<SampleLight> render_round(const Picture& picture, const PathRange& paths,
                                       RenderStatistics& statistics, const PixelsDone& done) {
-  const Scene& scene = picture.context.scene;
   std::vector<SampleLight> images = black_images(picture.context.lights, picture.settings.size_px);
   std::mutex record_mutex;
   std::atomic<uint64_t> path_count{0}, closest_hit{0}, shadow{0}, walks{0}, walk_segments{0}, nonfinite{0};
@@ -95,8 +103,7 @@ std::vector<SampleLight> render_round(const Picture& picture, const PathRange& p
         _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
         std::vector<RecordedRay> recorded;
         std::vector<RecordedRay>* record = statistics.record ? &recorded : nullptr;
-        const TileResult tile = scene.cutout ? render_tile<true>(picture, paths, range, images, record)
-                                             : render_tile<false>(picture, paths, range, images, record);
+        const TileResult tile = render_tile(picture, paths, range, images, record);
         if (record) {
           const std::lock_guard<std::mutex> lock(record_mutex);
           statistics.record->insert(statistics.record->end(), recorded.begin(), recorded.end());

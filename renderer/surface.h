@@ -3,9 +3,10 @@
 
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "dataset/model/colour.h"
-#include "renderer/bsdf.h"
+#include "renderer/bsdf_v2.h"
 #include "renderer/intersect.h"
 
 namespace ohb {
@@ -70,19 +71,37 @@ inline Vec3f ray_origin(const Scene& scene, Vec3f position, Vec3f ng, Vec3f dire
   return position + (dot(ng, direction) >= 0 ? scene.self_hit_offset_cm : -scene.self_hit_offset_cm) * ng;
 }
 
-/// The BSDF of a point seen from wo; n is its normal after cycles::ensure_valid_reflection.
-inline PrincipledV1 bsdf_at(const SurfacePoint& point, Vec3f n, Vec3f wo, bool first_hit, DiffuseLobe lobe) {
-  return PrincipledV1(point.texel.albedo, point.texel.roughness, srgb_to_linear(point.texel.specular), n,
-                      point.ns, point.ng, wo, first_hit, lobe);
+/// What the subsurface of a point does to a path: nothing; it has come by a diffuse bounce, after which walks
+/// are not made; a walk.
+enum class UnderSurface { kNone, kDiffuse, kWalk };
+
+/// The BSDF of a point seen from wo.
+template <class Bsdf>
+Bsdf bsdf_at(const SurfacePoint& point, Vec3f wo, bool first_hit, UnderSurface under) {
+  const Vec3f n = cycles::ensure_valid_reflection(point.ng, wo, point.n);
+  const SurfaceTexel& texel = point.texel;
+  const float f0 = srgb_to_linear(texel.specular);
+  if constexpr (std::is_same_v<Bsdf, PrincipledV1>) {
+    return Bsdf(texel.albedo, texel.roughness, f0, n, point.ns, point.ng, wo, first_hit,
+                under == UnderSurface::kWalk ? DiffuseLobe::kRetroReflection : DiffuseLobe::kWhole);
+  } else {
+    return Bsdf(texel.albedo, texel.roughness, f0,
+                {under == UnderSurface::kNone ? 0.0f : 1.0f, under == UnderSurface::kWalk}, point.n, n,
+                point.ns, point.ng, wo, first_hit);
+  }
 }
 
 /// The end of a walk under the surface. Where the surface that it comes out at has no subsurface, its normal
 /// map is not asked (Cycles weights the normals of the lobes that enter there, of which there are none); and
 /// without a map the smooth normal is taken as it is.
-inline PrincipledV1 exit_bsdf_at(const SurfacePoint& point, Vec3f wo) {
+template <class Bsdf>
+Bsdf exit_bsdf_at(const SurfacePoint& point, Vec3f wo) {
   const bool has_map = point.has_normal_map && point.texel.sss > cycles::kLeastSubsurface;
   const Vec3f n = has_map ? cycles::ensure_valid_reflection(point.ng, wo, point.n) : point.ns;
-  return PrincipledV1({1, 1, 1}, 1, 0, n, point.ns, point.ng, wo, false, DiffuseLobe::kExit);
+  if constexpr (std::is_same_v<Bsdf, PrincipledV1>)
+    return Bsdf({1, 1, 1}, 1, 0, n, point.ns, point.ng, wo, false, DiffuseLobe::kExit);
+  else
+    return Bsdf({1, 1, 1}, 1, 0, {}, n, n, point.ns, point.ng, wo, false);
 }
 
 /// The pinhole camera in the subject's frame: the subject turns by an angle, so the camera turns back.

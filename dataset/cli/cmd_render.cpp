@@ -12,7 +12,7 @@ namespace ohb {
 namespace {
 
 struct Options {
-  std::string model, output, views = "1", subsurface = "walk", sampling = "adaptive";
+  std::string model, output, views = "1", subsurface = "walk", shading = "v1", sampling = "adaptive";
   std::vector<std::string> environments, points;
   int size_px = 512, spp = 256, bounces = 32;
   double error = 0;
@@ -32,6 +32,7 @@ int run_render(const Options& options, const CommonOptions& common) {
   job.settings.max_bounces = options.bounces;
   job.settings.adaptive = options.sampling == "adaptive";
   job.settings.subsurface = options.subsurface == "walk";
+  job.settings.model = options.shading == "v2" ? ShadingModel::kV2 : ShadingModel::kV1;
   job.settings.seed = common.seed;
   job.output = options.output;
   const RenderReport report = render_samples(job);
@@ -106,6 +107,11 @@ void add_render_command(CLI::App& app, Commands& commands) {
       ->capture_default_str();
   command->add_option("--bounces", options->bounces, "indirect bounces at most")
       ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command
+      ->add_option("--model", options->shading,
+                   "Principled BSDF: v1, of Blender 3.4; v2, of Blender 4.5, which keeps energy")
+      ->check(CLI::IsMember({"v1", "v2"}))
       ->capture_default_str();
   command
       ->add_option("--subsurface", options->subsurface,

@@ -1,0 +1,201 @@
+// Principled v2 of Blender 4.5: a dielectric layer of GGX that accounts for several bounces between its
+// facets, over Lambert or a medium below, which get what the layer does not reflect.
+// Directions and conventions are those of bsdf.h. Two shading normals: n as mapped, for the diffuse lobe, and
+// n_valid (cycles::ensure_valid_reflection), for the layer and for what enters the medium.
+// Formulas: Walter et al. 2007 and Heitz 2014 (GGX, height-correlated masking); Turquin, "Practical multiple
+// scattering compensation for microfacet models", 2019, and Kulla and Conty 2017 (energy); Belcour et al.
+// 2018 (a layer's weight by its albedo); Estevez et al. 2019 (bump terminator). Constants, tables and order
+// of operations as in Cycles 4.5, measured against it (tests/renderer/cycles_ladder_v2_test.cpp).
+#pragma once
+
+#include "renderer/bsdf.h"
+#include "renderer/ggx_energy.h"
+
+namespace ohb {
+
+/// Lambda of Smith's masking for isotropic GGX: G1 = 1 / (1 + lambda).
+inline float ggx_lambda(float c, float alpha2) {
+  return 0.5f * (std::sqrt(1 + alpha2 * std::fmax(0.0f, 1 / (c * c) - 1)) - 1);
+}
+
+class PrincipledV2 {
+ public:
+  /// How much of the light below the layer goes into the medium, and whether it walks there or (after a
+  /// diffuse bounce) leaves at once, as from a diffuse surface about n_valid.
+  struct Subsurface {
+    float weight = 0;
+    bool walks = false;
+  };
+
+  PrincipledV2(Vec3f base, float roughness, float f0, Subsurface subsurface, Vec3f n, Vec3f n_valid, Vec3f ns,
+               Vec3f ng, Vec3f wo, bool first_hit)
+      : n_(n), n_valid_(n_valid), ns_(ns), ng_(ng), wo_(wo), cos_o_(dot(n_valid, wo)) {
+    const float alpha = roughness * roughness;
+    alpha2_ = alpha * alpha;
+    float specular_weight = 0, below = 1;
+    if (f0 > 0) {
+      const float layer_albedo = set_up_layer(roughness, f0);
+      below = std::clamp(1 - layer_albedo, 0.0f, 1.0f);
+      if (cos_o_ > 0) specular_weight = layer_albedo;
+    }
+    const float scattered = subsurface.weight * below;
+    diffuse_ = (below - scattered) * base;
+    entry_weight_ = subsurface.walks ? scattered : 0;
+    if (!subsurface.walks) medium_ = scattered * min_one(base);
+    choose_lobes(specular_weight, mean(base), first_hit);
+  }
+
+  /// f cos and the mixture's pdf for a given direction; a mirror lobe counts as 0.
+  BsdfValue eval(Vec3f wi) const {
+    BsdfValue result;
+    add_below(wi, result);
+    const float cos_i = dot(n_valid_, wi);
+    if (specular_share_ > 0 && alpha2_ > cycles::kMirrorAlpha2V2 && cos_i > 0 && dot(ns_, wi) >= 0)
+      add_specular(wi, cos_i, result);
+    return result;
+  }
+
+  /// A direction of the mixture. u0 chooses the lobe.
+  BsdfSample sample(float u0, float u1, float u2) const {
+    BsdfSample result;
+    if (u0 < entry_share_) {
+      result.enters = true;
+      result.pdf = entry_share_;
+      return result;
+    }
+    u0 -= entry_share_;
+    const float below_share = diffuse_share_ + medium_share_;
+    if (below_share > 0 && (u0 < below_share || !(specular_share_ > 0))) {
+      result.is_diffuse = true;
+      const Vec3f n = u0 < diffuse_share_ ? n_ : n_valid_;
+      result.wi = Frame(n).to_world(sample_cosine_hemisphere(u1, u2));
+    } else if (specular_share_ > 0) {
+      if (alpha2_ <= cycles::kMirrorAlpha2V2) return sample_mirror();
+      const Frame frame(n_valid_);
+      const Vec3f h =
+          frame.to_world(sample_ggx_visible_normal(frame.to_local(wo_), std::sqrt(alpha2_), u1, u2));
+      result.wi = 2 * dot(h, wo_) * h - wo_;
+    } else {
+      return result;
+    }
+    if (!(dot(ng_, result.wi) > 0)) return result;
+    // A sampled highlight counts below n and the smooth normal as well (bsdf.h, eval_sampled_specular).
+    BsdfValue value;
+    if (result.is_diffuse) {
+      value = eval(result.wi);
+    } else {
+      add_below(result.wi, value);
+      add_specular(result.wi, dot(n_valid_, result.wi), value);
+    }
+    result.value = value.value;
+    result.pdf = value.pdf;
+    return result;
+  }
+
+  bool is_black() const { return !(specular_share_ + diffuse_share_ + medium_share_ + entry_share_ > 0); }
+
+  /// Factor on what enters the medium; the medium itself has the colour.
+  float entry_weight() const { return entry_weight_; }
+
+  Vec3f entry_axis() const { return n_valid_; }
+
+  /// Half of what enters is spread about -n_valid by the cosine, half is refracted by facets of GGX alpha 1
+  /// (Cycles 4.x, "random walk, skin"); (0, 0, 0) where there is none.
+  Vec3f entry_direction(Vec2f u) const {
+    const Frame frame(n_valid_);
+    if (u.x < 0.5f) return -frame.to_world(sample_cosine_hemisphere(2 * u.x, u.y));
+    if (!(cos_o_ > 0)) return {};
+    const Vec3f h = frame.to_world(sample_ggx_visible_normal(frame.to_local(wo_), 1, 2 * u.x - 1, u.y));
+    const float c = dot(h, wo_), inverse = 1 / cycles::kSkinEntryEta;
+    const float cos_t = std::sqrt(std::fmax(0.0f, 1 - inverse * inverse * (1 - c * c)));
+    return (inverse * c - cos_t) * h - inverse * wo_;
+  }
+
+ private:
+  static Vec3f min_one(Vec3f v) { return {std::min(v.x, 1.0f), std::min(v.y, 1.0f), std::min(v.z, 1.0f)}; }
+
+  // The layer's reflectance towards the viewer, as the tables estimate it.
+  float set_up_layer(float roughness, float f0) {
+    f0_ = std::min(f0, 1.0f);
+    const float root = std::sqrt(std::min(f0, cycles::kMostF0V2));
+    eta_ = (1 + root) / (1 - root);
+    real_f0_ = root * root;
+    const GgxEnergy& energy = ggx_energy();
+    const float e = energy.albedo(roughness, cos_o_), e_mean = energy.mean_albedo(roughness);
+    // Hemispherical mean of the Fresnel reflectance (Kulla and Conty's fit), moved between f0_ and 1.
+    const float fit = (eta_ - 1) / (4.08567f + 1.00071f * eta_);
+    const float f_mean = blend(std::clamp((fit - real_f0_) / (1 - real_f0_), 0.0f, 1.0f));
+    const float f_many = f_mean * e_mean / (1 - f_mean * (1 - e_mean));
+    const float missing = (1 - e) / e;
+    scale_ = 1 + f_many * missing;
+    return scale_ / (1 + missing) * blend(energy.fresnel_share(roughness, cos_o_, std::sqrt(root)));
+  }
+
+  float blend(float share) const { return f0_ + share * (1 - f0_); }
+
+  float fresnel(float c) const {
+    return blend(std::clamp((fresnel_dielectric(c, eta_) - real_f0_) / (1 - real_f0_), 0.0f, 1.0f));
+  }
+
+  void choose_lobes(float specular_weight, float mean_base, bool first_hit) {
+    // As in v1 at the first hit: only variance depends on it.
+    float weights[4] = {mean(diffuse_), mean(medium_), specular_weight,
+                        cycles::kSubsurfaceLobeWeight * entry_weight_ * mean_base};
+    float sum = weights[0] + weights[1] + weights[2] + weights[3];
+    if (!(mean_base > cycles::kClosureWeightCutoff)) weights[0] = weights[1] = weights[3] = 0;
+    if (first_hit)
+      for (float& weight : weights)
+        if (weight > 0) weight = std::max(weight, cycles::kDefensiveShare * sum);
+    sum = weights[0] + weights[1] + weights[2] + weights[3];
+    const float scale = sum > 0 ? 1 / sum : 0;
+    diffuse_share_ = scale * weights[0];
+    medium_share_ = scale * weights[1];
+    specular_share_ = scale * weights[2];
+    entry_share_ = scale * weights[3];
+  }
+
+  void add_below(Vec3f wi, BsdfValue& result) const {
+    if (diffuse_share_ > 0) add_lambert(n_, diffuse_, diffuse_share_, wi, result);
+    if (medium_share_ > 0) add_lambert(n_valid_, medium_, medium_share_, wi, result);
+  }
+
+  void add_lambert(Vec3f n, Vec3f albedo, float share, Vec3f wi, BsdfValue& result) const {
+    const float value = dot(n, wi) * kInvPi;
+    if (!(value > 0)) return;
+    result.pdf += share * value;
+    const bool bumped = n.x != ns_.x || n.y != ns_.y || n.z != ns_.z;
+    result.value += (bumped ? value * cycles::bump_terminator_v2(ns_, n, wi) : value) * albedo;
+  }
+
+  void add_specular(Vec3f wi, float cos_i, BsdfValue& result) const {
+    const Vec3f h = normalised(wi + wo_);
+    const float cos_h = dot(n_valid_, h);
+    if (!(cos_h > 0)) return;
+    const Vec3f sine = cross(n_valid_, h);
+    const float t = alpha2_ * cos_h * cos_h + dot(sine, sine);
+    const float common = alpha2_ * kInvPi / (t * t) / (4 * cos_o_);
+    const float lambda_o = ggx_lambda(cos_o_, alpha2_), lambda_i = ggx_lambda(cos_i, alpha2_);
+    const float value = scale_ * fresnel(dot(wi, h)) * common / (1 + lambda_o + lambda_i);
+    result.value += Vec3f{value, value, value};
+    result.pdf += specular_share_ * common / (1 + lambda_o);
+  }
+
+  BsdfSample sample_mirror() const {
+    BsdfSample result;
+    result.wi = 2 * cos_o_ * n_valid_ - wo_;
+    if (!(dot(ng_, result.wi) > 0)) return result;
+    const BsdfValue rest = eval(result.wi);
+    const float value = scale_ * fresnel(cos_o_) * cycles::kMirrorDensity;
+    result.value = rest.value + Vec3f{value, value, value};
+    result.pdf = rest.pdf + specular_share_ * cycles::kMirrorDensity;
+    return result;
+  }
+
+  Vec3f n_, n_valid_, ns_, ng_, wo_;
+  Vec3f diffuse_, medium_;  // albedo of the diffuse lobe, and of the medium where nothing walks
+  float cos_o_, alpha2_;
+  float f0_ = 0, eta_ = 1, real_f0_ = 0, scale_ = 1;  // scale_: of single scattering, to hold all of it
+  float entry_weight_, diffuse_share_, medium_share_, specular_share_, entry_share_;
+};
+
+}  // namespace ohb

@@ -1,0 +1,10 @@
+#include "renderer/path_tracer.h"
+
+namespace ohb {
+
+template void trace_path<false, PrincipledV2>(const PathContext&, const Ray&, PathSampler&, TileResult&,
+                                              std::vector<Vec3f>&);
+template void trace_path<true, PrincipledV2>(const PathContext&, const Ray&, PathSampler&, TileResult&,
+                                             std::vector<Vec3f>&);
+
+}  // namespace ohb
