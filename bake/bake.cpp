@@ -1,8 +1,12 @@
 #include "bake/bake.h"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <string>
 
+#include "bake/texture_set_bake.h"
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/error.h"
 #include "dataset/model/model_files.h"
 #include "dataset/model/progress.h"
 
@@ -33,21 +37,101 @@ std::vector<std::string> folders_of(const CanonicalMesh& mesh) {
   return texture_set_folders(names);
 }
 
+double diagonal_cm(const Bounds& bounds) {
+  return length(bounds.high - bounds.low);
+}
+
+/// Refuses a source that cannot be of the same subject: another size, or elsewhere.
+void check_place(const BakeSource& source, const Bounds& low, const Bounds& high, double reach_cm) {
+  const double ratio = diagonal_cm(high) / diagonal_cm(low);
+  const auto refuse = [&](const std::string& cause) {
+    throw InputError(source.scan->file.string(), "", cause,
+                     "export both from one scene, or state the source's unit with --source-unit");
+  };
+  constexpr double kMostRatio = 3;
+  if (!(ratio < kMostRatio && ratio > 1 / kMostRatio))
+    refuse("is " + std::to_string(ratio) + " times as large as the scan");
+  double apart = 0;
+  for (int i = 0; i < 3; ++i)
+    apart = std::max({apart, double(high.low[i]) - low.high[i], double(low.low[i]) - high.high[i]});
+  if (apart > reach_cm) refuse("lies " + std::to_string(apart) + " cm away from the scan");
+}
+
+/// The cage's points less the scan's, in cm, one a position of the mesh.
+std::vector<Vec3f> cage_offsets(const CanonicalMesh& mesh, const Scan& scan, const Scan& cage) {
+  bool is_same = cage.face_begin == scan.face_begin && cage.positions.size() == scan.positions.size();
+  for (size_t c = 0; is_same && c < scan.corners.size(); ++c)
+    is_same = cage.corners[c].position == scan.corners[c].position;
+  if (!is_same)
+    throw InputError(cage.file.string(), "", "has other faces than " + scan.file.filename().string(),
+                     "a cage is the scan itself with its points moved outwards");
+  std::vector<Vec3f> offsets(mesh.model.positions_cm.size());
+  const std::vector<ScanTriangle> triangles = triangulate(scan);
+  const float unit = static_cast<float>(mesh.model.source_unit_cm);
+  for (size_t t = 0; t < triangles.size(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      const uint32_t p = scan.corners[triangles[t].corner[c]].position;
+      offsets[mesh.model.triangles[t].position[c]] = unit * (cage.positions[p] - scan.positions[p]);
+    }
+  return offsets;
+}
+
+/// Null without a source.
+std::unique_ptr<SourceBake> source_of(const CanonicalMesh& mesh, const Scan& scan, const BakeOptions& options,
+                                      BakeReport& report) {
+  const BakeSource& from = options.source;
+  if (!from.scan) return nullptr;
+  const auto surface =
+      std::make_shared<const SourceSurface>(*from.scan, from.unit_cm, mesh.model.source_shift_cm, from.green);
+  const Bounds bounds = bounds_of(mesh.model.positions_cm);
+  const double reach_cm = from.reach_cm > 0 ? from.reach_cm : kReachShare * diagonal_cm(bounds);
+  check_place(from, bounds, surface->bounds(), reach_cm);
+  auto source =
+      std::make_unique<SourceBake>(make_source_bake(mesh.model, surface, static_cast<float>(reach_cm)));
+  source->wants_object_normals = from.wants_object_normals;
+  if (from.cage) source->cage_offset = cage_offsets(mesh, scan, *from.cage);
+  report.source = from.scan->file.filename().string();
+  report.source_sha256 = from.sha256;
+  report.source_triangles = surface->triangle_count();
+  report.source_unit_cm = from.unit_cm;
+  report.outward_cm = from.cage ? 0 : reach_cm;
+  report.inward_cm = reach_cm;
+  return source;
+}
+
+/// Maps beside the six, which model.xml does not name: float, one channel; or half, three.
+void write_extra_map(const std::filesystem::path& file, const std::string& name, Image image) {
+  if (image.values.empty()) return;
+  const bool is_scalar = image.channels == 1;
+  std::vector<ExrPart> parts(1);
+  parts[0] = {name, is_scalar ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"},
+              is_scalar ? ExrPart::Type::kFloat : ExrPart::Type::kHalf, std::move(image)};
+  write_exr(file, parts, {});
+}
+
 }  // namespace
 
 BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const MaterialTable& table,
                           const BakeOptions& options, const std::filesystem::path& folder) {
   BakeReport report;
   const CanonicalMesh mesh = mesh_of(scan, regions, options, report);
+  const std::unique_ptr<SourceBake> source = source_of(mesh, scan, options, report);
   const std::vector<std::string> folders = folders_of(mesh);
+  report.sets.resize(folders.size());
   std::vector<TextureSetEntry> entries;
   Progress progress("baking " + options.name, folders.size(), options.quiet);
   for (size_t i = 0; i < folders.size(); ++i) {
-    SetReport set_report;
+    SetReport& set_report = report.sets[i];
     set_report.folder = folders[i];
-    TextureSet set = bake_texture_set(mesh, scan, static_cast<uint16_t>(i), table, options, set_report);
-    entries.push_back(write_texture_set(folder, folders[i], std::move(set)));
-    report.sets.push_back(std::move(set_report));
+    SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, source.get(), set_report);
+    TextureSetEntry entry{mesh.model.sets[i].name, folders[i], set.width_px(), set.height_px(), {}};
+    for (const MapKind& kind : kMapKinds) write_texture_map(folder, kind, set.take(kind.image), entry);
+    const std::filesystem::path maps = folder / "maps" / folders[i];
+    if (const Image debug = set.debug(); !debug.values.empty()) write_png(maps / "debug.png", debug);
+    write_extra_map(maps / "height.exr", "height", set.take_height());
+    write_extra_map(maps / "normal_object.exr", "normal_object", set.take_object_normal());
+    write_png(maps / "valid.png", set.take(&TextureSet::valid));
+    entries.push_back(std::move(entry));
     progress.add();
   }
   write_model_mesh(folder, mesh.model, entries);
@@ -60,12 +144,15 @@ Model bake(const Scan& scan, const Regions& regions, const MaterialTable& table,
   BakeReport own;
   BakeReport& out = report ? *report : own;
   CanonicalMesh mesh = mesh_of(scan, regions, options, out);
+  const std::unique_ptr<SourceBake> source = source_of(mesh, scan, options, out);
   const std::vector<std::string> folders = folders_of(mesh);
-  for (size_t i = 0; i < mesh.model.sets.size(); ++i) {
-    SetReport set_report;
-    set_report.folder = folders[i];
-    mesh.model.sets[i] = bake_texture_set(mesh, scan, static_cast<uint16_t>(i), table, options, set_report);
-    out.sets.push_back(std::move(set_report));
+  out.sets.resize(folders.size());
+  for (size_t i = 0; i < folders.size(); ++i) {
+    out.sets[i].folder = folders[i];
+    SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, source.get(), out.sets[i]);
+    TextureSet& maps = mesh.model.sets[i];
+    for (const MapKind& kind : kMapKinds) maps.*kind.image = set.take(kind.image);
+    maps.valid = set.take(&TextureSet::valid);
   }
   return std::move(mesh.model);
 }

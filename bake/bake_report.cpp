@@ -59,10 +59,17 @@ nlohmann::ordered_json to_json(const BakeReport& report) {
   json["size_cm"] = report.size_cm;
   json["triangles"] = report.triangles;
   json["positions"] = report.positions;
+  if (!report.source.empty())
+    json["source"] = {{"file", report.source},
+                      {"sha256", report.source_sha256},
+                      {"unit_cm", report.source_unit_cm},
+                      {"triangles", report.source_triangles},
+                      {"outward_cm", report.outward_cm},
+                      {"inward_cm", report.inward_cm}};
   json["limits"] = {{"overlap_share", kMaxOverlapShare},
                     {"area_without_texel_share", kMaxTexelLessAreaShare}};
   json["sets"] = nlohmann::ordered_json::array();
-  for (const SetReport& set : report.sets)
+  for (const SetReport& set : report.sets) {
     json["sets"].push_back({{"name", set.name},
                             {"folder", set.folder},
                             {"width_px", set.width_px},
@@ -85,6 +92,14 @@ nlohmann::ordered_json to_json(const BakeReport& report) {
                             {"normal", set.normal},
                             {"normal_green", set.normal_green},
                             {"zero_length_normals", set.zero_length_normals}});
+    if (!report.source.empty())
+      json["sets"].back()["source"] = {{"hit_texels", set.hit_texels},
+                                       {"nearest_texels", set.nearest_texels},
+                                       {"missed_texels", set.missed_texels},
+                                       {"back_face_texels", set.back_face_texels},
+                                       {"mean_distance_cm", set.mean_distance_cm},
+                                       {"max_distance_cm", set.max_distance_cm}};
+  }
   json["warnings"] = warnings_of(report);
   return json;
 }
@@ -95,6 +110,9 @@ std::string to_text(const BakeReport& report) {
                                  report.size_cm[2], report.sets.size(), report.sets.size() == 1 ? "" : "s");
   if (!report.unit_reason.empty())
     text += fmt::format("  unit: {} cm ({})\n", report.unit_cm, report.unit_reason);
+  if (!report.source.empty())
+    text += fmt::format("  source: {}, {} triangles, sought within {:.3g} cm\n", report.source,
+                        report.source_triangles, report.inward_cm);
   for (const SetReport& set : report.sets) {
     const double texels = double(set.width_px) * set.height_px;
     text += fmt::format(
@@ -103,6 +121,13 @@ std::string to_text(const BakeReport& report) {
         set.name, set.width_px, set.height_px, 100 * double(set.centre_texels) / texels,
         100 * double(set.footprint_texels) / texels, 100 * double(set.padded_texels) / texels,
         100 * share(double(set.overlapping_texels), double(set.centre_texels)), set.triangles_without_texel);
+    if (!report.source.empty())
+      text += fmt::format(
+          "  {:<16} from the source: {} texels hit, {} by nearest point, {} missed, {} back faces only; "
+          "{:.3f} "
+          "cm away on average, at most {:.3f}\n",
+          "", set.hit_texels, set.nearest_texels, set.missed_texels, set.back_face_texels,
+          set.mean_distance_cm, set.max_distance_cm);
   }
   for (const std::string& warning : warnings_of(report)) text += "warning: " + warning + "\n";
   return text;

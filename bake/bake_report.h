@@ -27,6 +27,9 @@ struct SetReport {
   std::string diffuse, alpha, normal;  // file names of the pictures, "" without
   std::string normal_green;            // "up", "down" (turned over) or "unclear" (read as up); "" without
   uint64_t zero_length_normals = 0;
+  // From a source: what the texels that show a face found, and how far away along their normals.
+  uint64_t hit_texels = 0, nearest_texels = 0, missed_texels = 0, back_face_texels = 0;
+  double mean_distance_cm = 0, max_distance_cm = 0;  // of the absolute distances
 };
 
 struct BakeReport {
@@ -37,11 +40,17 @@ struct BakeReport {
   double shift_cm[3] = {0, 0, 0};
   double size_cm[3] = {0, 0, 0};  // bounding box
   uint64_t triangles = 0, positions = 0;
+  std::string source, source_sha256;  // "" without a source
+  uint64_t source_triangles = 0;
+  double source_unit_cm = 0, outward_cm = 0, inward_cm = 0;  // outward: 0 with a cage
   std::vector<SetReport> sets;
 };
 
 /// Limits above which the maps are likely not what the user wants.
 constexpr double kMaxOverlapShare = 0.001;        // of the texels whose centre is covered
+constexpr double kMaxMissedShare = 0.001;         // of the texels that show a face: the default, fails
+constexpr double kMaxSourceOverlapShare = 0.001;  // of the covered texels, with a source: the default, fails
+constexpr double kReachShare = 0.01;              // of the low mesh's diagonal: the default reach
 constexpr double kMaxTexelLessAreaShare = 0.001;  // of a set's area
 
 /// One line each for what exceeds a limit, with the mend. Empty if all is well.

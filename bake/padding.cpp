@@ -66,6 +66,20 @@ void pad(Image& image, const std::vector<uint8_t>& is_covered) {
   fill_from_half(image, is_covered, half.image);
 }
 
+std::vector<Image> padded_levels(Image image, std::vector<uint8_t> is_covered) {
+  if (is_covered.empty()) is_covered.assign(static_cast<size_t>(image.width_px) * image.height_px, 1);
+  std::vector<Level> levels;
+  levels.push_back({std::move(image), std::move(is_covered)});
+  while (levels.back().image.width_px > 1 || levels.back().image.height_px > 1)
+    levels.push_back(half_of(levels.back().image, levels.back().is_covered));
+  std::vector<Image> images(levels.size());
+  for (size_t l = levels.size(); l-- > 0;) {
+    if (l + 1 < levels.size()) fill_from_half(levels[l].image, levels[l].is_covered, images[l + 1]);
+    images[l] = std::move(levels[l].image);
+  }
+  return images;
+}
+
 void pad_normals(Image& image, const std::vector<uint8_t>& is_covered) {
   pad(image, is_covered);
   tbb::parallel_for(0, image.height_px, [&](int y) {

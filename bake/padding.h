@@ -17,4 +17,8 @@ void pad(Image& image, const std::vector<uint8_t>& is_covered);
 /// nothing remains. Inside charts nothing changes; next to a chart the fill continues that chart's own frame.
 void pad_normals(Image& image, const std::vector<uint8_t>& is_covered);
 
+/// The image, padded, and its halvings down to one texel: at each level the means of the covered texels
+/// alone, and holes filled as pad fills them. Empty `is_covered`: all are.
+std::vector<Image> padded_levels(Image image, std::vector<uint8_t> is_covered);
+
 }  // namespace ohb

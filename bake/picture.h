@@ -9,6 +9,10 @@
 
 namespace ohb {
 
+/// Which way the green channel of a scan's normal map points: up (OpenGL), down (DirectX: turned over), or
+/// not known (read as up, with a warning).
+enum class GreenChannel { kUp, kDown, kUnclear };
+
 /// Colours as linear Rec. 709, 3 channels. Integer pictures (PNG, JPEG, TIFF) are taken as sRGB-encoded and
 /// decoded by the piecewise curve (IEC 61966-2-1); float pictures (EXR, HDR) as linear already. One or two
 /// channels are grey. Throws InputError as read_image, and for a NaN or infinite pixel.

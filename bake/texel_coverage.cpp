@@ -50,6 +50,7 @@ class BandPainter {
       if (distance == kOverlapCounted) return;
       if (distance == kOwned) {
         distance = kOverlapCounted;
+        coverage_.is_overlapping[&owner - coverage_.owner.data()] = 1;
         ++overlapping_;
         return;
       }
@@ -182,6 +183,7 @@ TexelCoverage cover_texels(const std::vector<UvTriangle>& triangles, int width_p
   coverage.width_px = width_px;
   coverage.height_px = height_px;
   coverage.owner.assign(static_cast<size_t>(width_px) * height_px, TexelCoverage::kNone);
+  coverage.is_overlapping.assign(coverage.owner.size(), 0);
   std::vector<TexelTriangle> in_texels;
   in_texels.reserve(triangles.size());
   for (const UvTriangle& triangle : triangles)

@@ -26,6 +26,7 @@ struct TexelCoverage {
   uint64_t centre_texels = 0;       // whose centre lies in their owner
   uint64_t footprint_texels = 0;    // only touched by bilinear lookups into their owner
   uint64_t overlapping_texels = 0;  // whose centre lies in two or more triangles (shared edges do not count)
+  std::vector<uint8_t> is_overlapping;            // one a texel: those overlapping texels
   std::vector<uint32_t> triangles_without_texel;  // in ascending order
   std::vector<uint32_t> hidden_triangles;  // those of them that hold a centre: other triangles lie over them
 
@@ -38,7 +39,7 @@ struct TexelCoverage {
 /// that touches the box of +-1 texel around its centre (the first of equals). So every triangle finds its
 /// lookups defined, and one that is smaller than a texel still owns one unless others own all around it;
 /// those are listed. UVs must be finite and within kMaxUv and kMaxUvSpan (std::logic_error).
-/// The result does not depend on the number of threads. Memory: 4 bytes a texel.
+/// The result does not depend on the number of threads. Memory: 5 bytes a texel.
 enum class CoveragePasses { kCentres, kCentresAndFootprints };
 TexelCoverage cover_texels(const std::vector<UvTriangle>& triangles, int width_px, int height_px,
                            CoveragePasses passes = CoveragePasses::kCentresAndFootprints);

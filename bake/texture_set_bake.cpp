@@ -1,23 +1,19 @@
-// The maps of one texture set: which texel shows which triangle, then each map from the scan's pictures, the
-// classes of its faces and the positions of its points.
+// The maps of one texture set: which texel shows which triangle, then each map from the scan's pictures or
+// the source, the classes of its faces and the positions of its points.
+#include "bake/texture_set_bake.h"
+
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "bake/bake.h"
 #include "bake/padding.h"
 #include "bake/picture.h"
-#include "bake/texel_coverage.h"
+#include "dataset/model/error.h"
 
 namespace ohb {
 namespace {
-
-/// The triangles of one set, and their UVs in the same order.
-struct SetTriangles {
-  std::vector<uint32_t> index;  // into Model::triangles
-  std::vector<UvTriangle> uvs;
-};
 
 SetTriangles triangles_of(const Model& model, uint16_t set) {
   SetTriangles triangles;
@@ -35,10 +31,15 @@ struct Size {
   int width_px, height_px;
 };
 
-Size size_of_set(const Image& diffuse, int wanted_px) {
-  const bool has_picture = !diffuse.values.empty();
-  const int width = has_picture ? diffuse.width_px : kSizeWithoutPicture_px;
-  const int height = has_picture ? diffuse.height_px : kSizeWithoutPicture_px;
+Size size_of_set(const ScanPicture& diffuse, int wanted_px, const SourceBake* source) {
+  int width = kSizeWithoutPicture_px, height = kSizeWithoutPicture_px;
+  if (!diffuse.empty()) {
+    const ImageFileInfo info = probe_image(diffuse);
+    width = info.width_px;
+    height = info.height_px;
+  } else if (source && source->surface->picture_edge_px() > 0) {
+    width = height = source->surface->picture_edge_px();
+  }
   const int longer = std::max(width, height);
   const int target = wanted_px > 0 ? wanted_px : std::min(longer, kMaxMapSize_px);
   const auto scaled = [&](int edge) {
@@ -73,37 +74,10 @@ ResampleWeights weights_for(const Image& picture, Size size, const SetTriangles&
   return weights;
 }
 
-void set_image_constant(Image& image, Size size, Vec3f value) {
-  image = Image(size.width_px, size.height_px, 3);
+Image constant_image(Size size, Vec3f value) {
+  Image image(size.width_px, size.height_px, 3);
   for (size_t i = 0; i < image.values.size(); ++i) image.values[i] = value[static_cast<int>(i % 3)];
-}
-
-/// Roughness, specular, sss and displacement: what the owner of each texel says at the point nearest to it.
-void fill_from_owners(const Model& model, const SetTriangles& triangles, const TexelCoverage& coverage,
-                      const MaterialTable& table, TextureSet& set) {
-  const int width = coverage.width_px, height = coverage.height_px;
-  std::array<ClassMaterial, kClassCount> pure;
-  for (int c = 0; c < kClassCount; ++c) {
-    std::array<float, kClassCount> shares{};
-    shares[c] = 1;
-    pure[c] = mix_classes(table, shares);
-  }
-  tbb::parallel_for(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      const uint32_t owner = coverage.owner_of(x, y);
-      if (owner == TexelCoverage::kNone) continue;
-      const ModelTriangle& triangle = model.triangles[triangles.index[owner]];
-      const ClassMaterial& material = pure[triangle.material_class];
-      *set.roughness.pixel(x, y) = material.roughness;
-      *set.specular.pixel(x, y) = material.specular;
-      *set.sss.pixel(x, y) = material.sss;
-      const TexelTriangle in_texels = to_texel_space(triangles.uvs[owner], width, height);
-      const NearestPoint point = nearest_point_of_texel(in_texels, width, height, x, y);
-      double z = 0;
-      for (int c = 0; c < 3; ++c) z += point.weights[c] * model.positions_cm[triangle.position[c]].z;
-      *set.displacement.pixel(x, y) = static_cast<float>(z);
-    }
-  });
+  return image;
 }
 
 void report_geometry(const Model& model, const SetTriangles& triangles, const TexelCoverage& coverage,
@@ -142,43 +116,37 @@ void report_geometry(const Model& model, const SetTriangles& triangles, const Te
   }
 }
 
-void bake_albedo_and_alpha(const ScanMaterial& material, Image diffuse, Size size,
-                           const SetTriangles& triangles, TextureSet& set) {
-  Image alpha;
-  if (!material.alpha.empty()) alpha = read_alpha_picture(material.alpha);
-  if (diffuse.values.empty()) {
-    set_image_constant(set.albedo, size, material.diffuse_factor);
-  } else {
-    const ResampleWeights weights = weights_for(diffuse, size, triangles, &alpha);
-    set.albedo = resample(std::move(diffuse), size.width_px, size.height_px, weights);
-    const Vec3f factor = material.diffuse_factor;
-    if (factor.x != 1 || factor.y != 1 || factor.z != 1)
-      for (size_t i = 0; i < set.albedo.values.size(); ++i)
-        set.albedo.values[i] *= factor[static_cast<int>(i % 3)];
-  }
-  if (alpha.values.empty()) return;
-  const ResampleWeights weights = weights_for(alpha, size, triangles, nullptr);
-  set.alpha = resample(std::move(alpha), size.width_px, size.height_px, weights);
+/// Throws if more of the set's texels show two faces than `limits` allow: each would need its own texels.
+void check_overlaps(const SetReport& report, const BakeSource& limits) {
+  const double overlaps = static_cast<double>(report.overlapping_texels);
+  const double all = static_cast<double>(report.centre_texels);
+  if (!(overlaps > limits.max_overlap_share * all)) return;
+  throw InputError(
+      limits.scan->file.string(), "texture set '" + report.name + "'",
+      fmt::format("cannot be baked onto UVs that overlap: {:.2f} % of the texels show more than one "
+                  "face; {:.2f} % are allowed",
+                  100 * overlaps / all, 100 * limits.max_overlap_share),
+      "unwrap the scan, or give --max-overlap PERCENT: such texels then show the first face");
 }
 
-void bake_normal(const ScanMaterial& material, GreenChannel green, Size size, const SetTriangles& triangles,
-                 TextureSet& set, SetReport& report) {
-  if (material.normal.empty()) return;
-  report.normal = material.normal.file.filename().string();
-  report.normal_green = green == GreenChannel::kUp ? "up" : green == GreenChannel::kDown ? "down" : "unclear";
-  Image normal =
-      read_normal_picture(material.normal, green == GreenChannel::kDown, report.zero_length_normals);
-  const ResampleWeights weights = weights_for(normal, size, triangles, nullptr);
-  set.normal = resample(std::move(normal), size.width_px, size.height_px, weights);
-  normalise_pixels(set.normal);
-}
-
-void pad_all(TextureSet& set, const TexelCoverage& coverage) {
-  const std::vector<uint8_t> is_covered = covered_texels(coverage);
-  for (Image* image : {&set.albedo, &set.alpha, &set.roughness, &set.specular, &set.sss, &set.displacement})
-    if (!image->values.empty()) pad(*image, is_covered);
-  if (!set.normal.values.empty()) pad_normals(set.normal, is_covered);
-  for (size_t i = 0; i < is_covered.size(); ++i) set.valid.values[i] = is_covered[i] ? 1.0f : 0.5f;
+/// Throws if more of the set's texels miss the source than `limits` allow.
+void check_misses(const SetReport& report, const SourceBake& source, const BakeSource& limits) {
+  const double missed = static_cast<double>(report.missed_texels + report.back_face_texels);
+  const double all = missed + static_cast<double>(report.hit_texels + report.nearest_texels);
+  if (!(missed > limits.max_missed_share * all)) return;
+  const std::string reach =
+      source.cage_offset.empty() ? fmt::format("{:.2g} cm", source.inward_cm) : std::string("the cage");
+  std::string mend =
+      "give a longer --reach, or --max-missed PERCENT to fill them from around and see them in debug.png";
+  if (report.back_face_texels > report.missed_texels)
+    mend = "turn the faces of the source whose normals point inwards, or say --max-missed PERCENT";
+  throw InputError(
+      limits.scan->file.string(), "texture set '" + report.name + "'",
+      fmt::format("{:.2f} % of its texels find no surface of the source within {} ({:.2f} % find "
+                  "only back faces); {:.2f} % are allowed",
+                  100 * missed / all, reach, 100 * double(report.back_face_texels) / all,
+                  100 * limits.max_missed_share),
+      mend);
 }
 
 }  // namespace
@@ -193,30 +161,178 @@ ClassMaterial mix_classes(const MaterialTable& table, const std::array<float, kC
   return mixed;
 }
 
-TextureSet bake_texture_set(const CanonicalMesh& mesh, const Scan& scan, uint16_t set_index,
-                            const MaterialTable& table, const BakeOptions& options, SetReport& report) {
-  const uint16_t scan_material = mesh.material_of_set[set_index];
-  const ScanMaterial& material = scan.materials[scan_material];
-  const SetTriangles triangles = triangles_of(mesh.model, set_index);
-  report.name = material.name;
-  report.diffuse = material.diffuse.file.filename().string();
-  report.alpha = material.alpha.file.filename().string();
-  Image diffuse;
-  if (!material.diffuse.empty()) diffuse = read_colour_picture(material.diffuse);
-  const Size size = size_of_set(diffuse, options.size_px);
-  const TexelCoverage coverage = cover_texels(triangles.uvs, size.width_px, size.height_px);
-  report_geometry(mesh.model, triangles, coverage, report);
+SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, const MaterialTable& table,
+                 const BakeOptions& options, const SourceBake* source, SetReport& report)
+    : mesh_(mesh),
+      table_(table),
+      material_(scan.materials[mesh.material_of_set[set]]),
+      green_(options.green.empty() ? GreenChannel::kUp : options.green[mesh.material_of_set[set]]),
+      report_(report),
+      triangles_(triangles_of(mesh.model, set)),
+      from_source_(source != nullptr) {
+  report.name = material_.name;
+  report.diffuse = material_.diffuse.file.filename().string();
+  report.alpha = material_.alpha.file.filename().string();
+  const Size size = size_of_set(material_.diffuse, options.size_px, source);
+  coverage_ = cover_texels(triangles_.uvs, size.width_px, size.height_px);
+  report_geometry(mesh.model, triangles_, coverage_, report);
+  has_class_ = covered_texels(coverage_);
+  has_value_ = has_class_;
+  if (!source) return;
+  reach_cm_ = std::max(source->outward_cm, source->inward_cm);
+  check_overlaps(report, options.source);
+  source_ = bake_from_source(mesh.model, triangles_.index, triangles_.uvs, coverage_, *source);
+  report_source();
+  check_misses(report, *source, options.source);
+}
 
-  TextureSet set;
-  set.name = material.name;
-  bake_albedo_and_alpha(material, std::move(diffuse), size, triangles, set);
-  bake_normal(material, options.green.empty() ? GreenChannel::kUp : options.green[scan_material], size,
-              triangles, set, report);
-  for (Image* image : {&set.roughness, &set.specular, &set.sss, &set.displacement, &set.valid})
-    *image = Image(size.width_px, size.height_px, 1);
-  fill_from_owners(mesh.model, triangles, coverage, table, set);
-  pad_all(set, coverage);
-  return set;
+void SetBake::report_source() {
+  double sum = 0;
+  for (size_t i = 0; i < has_value_.size(); ++i) {
+    const RayResult result = source_.results[i];
+    has_value_[i] = result == RayResult::kHit || result == RayResult::kNearest;
+    report_.hit_texels += result == RayResult::kHit;
+    report_.nearest_texels += result == RayResult::kNearest;
+    report_.missed_texels += result == RayResult::kMissed;
+    report_.back_face_texels += result == RayResult::kBackFace;
+    if (!has_value_[i]) continue;
+    const double distance = std::fabs(source_.height.values[i]);
+    sum += distance;
+    report_.max_distance_cm = std::max(report_.max_distance_cm, distance);
+  }
+  const uint64_t found = report_.hit_texels + report_.nearest_texels;
+  if (found > 0) report_.mean_distance_cm = sum / static_cast<double>(found);
+}
+
+Image SetBake::albedo() {
+  if (from_source_) return std::move(source_.albedo);
+  const Size size{width_px(), height_px()};
+  if (material_.diffuse.empty()) return constant_image(size, material_.diffuse_factor);
+  Image diffuse = read_colour_picture(material_.diffuse);
+  Image alpha;
+  if (!material_.alpha.empty()) alpha = read_alpha_picture(material_.alpha);
+  const ResampleWeights weights = weights_for(diffuse, size, triangles_, &alpha);
+  Image albedo = resample(std::move(diffuse), size.width_px, size.height_px, weights);
+  const Vec3f factor = material_.diffuse_factor;
+  if (factor.x != 1 || factor.y != 1 || factor.z != 1)
+    for (size_t i = 0; i < albedo.values.size(); ++i) albedo.values[i] *= factor[static_cast<int>(i % 3)];
+  return albedo;
+}
+
+Image SetBake::alpha() const {
+  if (from_source_) return source_.alpha;
+  if (material_.alpha.empty()) return {};
+  const Size size{width_px(), height_px()};
+  Image alpha = read_alpha_picture(material_.alpha);
+  const ResampleWeights weights = weights_for(alpha, size, triangles_, nullptr);
+  return resample(std::move(alpha), size.width_px, size.height_px, weights);
+}
+
+Image SetBake::normal() {
+  if (from_source_) return std::move(source_.normal);
+  if (material_.normal.empty()) return {};
+  report_.normal = material_.normal.file.filename().string();
+  report_.normal_green = green_ == GreenChannel::kUp     ? "up"
+                         : green_ == GreenChannel::kDown ? "down"
+                                                         : "unclear";
+  const Size size{width_px(), height_px()};
+  Image normal =
+      read_normal_picture(material_.normal, green_ == GreenChannel::kDown, report_.zero_length_normals);
+  const ResampleWeights weights = weights_for(normal, size, triangles_, nullptr);
+  normal = resample(std::move(normal), size.width_px, size.height_px, weights);
+  normalise_pixels(normal);
+  return normal;
+}
+
+Image SetBake::class_map(float ClassMaterial::*value) const {
+  std::array<float, kClassCount> pure;
+  for (int c = 0; c < kClassCount; ++c) {
+    std::array<float, kClassCount> shares{};
+    shares[c] = 1;
+    pure[c] = mix_classes(table_, shares).*value;
+  }
+  Image map(width_px(), height_px(), 1);
+  tbb::parallel_for(0, height_px(), [&](int y) {
+    for (int x = 0; x < width_px(); ++x) {
+      const uint32_t owner = coverage_.owner_of(x, y);
+      if (owner != TexelCoverage::kNone)
+        *map.pixel(x, y) = pure[mesh_.model.triangles[triangles_.index[owner]].material_class];
+    }
+  });
+  return map;
+}
+
+Image SetBake::displacement() const {
+  if (from_source_) return source_.displacement;
+  const int width = width_px(), height = height_px();
+  Image map(width, height, 1);
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      const uint32_t owner = coverage_.owner_of(x, y);
+      if (owner == TexelCoverage::kNone) continue;
+      const ModelTriangle& triangle = mesh_.model.triangles[triangles_.index[owner]];
+      const TexelTriangle in_texels = to_texel_space(triangles_.uvs[owner], width, height);
+      const NearestPoint point = nearest_point_of_texel(in_texels, width, height, x, y);
+      double z = 0;
+      for (int c = 0; c < 3; ++c) z += point.weights[c] * mesh_.model.positions_cm[triangle.position[c]].z;
+      *map.pixel(x, y) = static_cast<float>(z);
+    }
+  });
+  return map;
+}
+
+Image SetBake::valid() const {
+  Image map(width_px(), height_px(), 1);
+  for (size_t i = 0; i < has_value_.size(); ++i) map.values[i] = has_value_[i] ? 1.0f : 0.5f;
+  return map;
+}
+
+Image SetBake::padded(Image image, const std::vector<uint8_t>& is_covered) const {
+  if (!image.values.empty()) pad(image, is_covered);
+  return image;
+}
+
+Image SetBake::padded_normals(Image image) const {
+  if (!image.values.empty()) pad_normals(image, has_value_);
+  return image;
+}
+
+Image SetBake::take(Image TextureSet::*map) {
+  if (map == &TextureSet::albedo) return padded(albedo(), has_value_);
+  if (map == &TextureSet::alpha) return padded(alpha(), has_value_);
+  if (map == &TextureSet::normal) return padded_normals(normal());
+  if (map == &TextureSet::roughness) return padded(class_map(&ClassMaterial::roughness), has_class_);
+  if (map == &TextureSet::specular) return padded(class_map(&ClassMaterial::specular), has_class_);
+  if (map == &TextureSet::sss) return padded(class_map(&ClassMaterial::sss), has_class_);
+  if (map == &TextureSet::displacement) return padded(displacement(), has_value_);
+  return valid();
+}
+
+Image SetBake::debug() const {
+  if (!from_source_ && coverage_.overlapping_texels == 0) return {};
+  Image map(width_px(), height_px(), 3);
+  tbb::parallel_for(size_t{0}, has_class_.size(), [&](size_t i) {
+    Vec3f colour{0, 0, 0};
+    if (has_class_[i]) colour = {0, 0.25f, 0};
+    if (from_source_) {
+      const float share = reach_cm_ > 0 ? std::min(1.0f, std::fabs(source_.height.values[i]) / reach_cm_) : 0;
+      if (source_.results[i] == RayResult::kHit) colour = {0, 0.25f + 0.75f * share, 0};
+      if (source_.results[i] == RayResult::kNearest) colour = {0, 0.25f + 0.75f * share, 1};
+      if (source_.results[i] == RayResult::kMissed) colour = {1, 0, 0};
+      if (source_.results[i] == RayResult::kBackFace) colour = {1, 0, 1};
+    }
+    if (coverage_.is_overlapping[i]) colour = {1, 1, 0};
+    for (int c = 0; c < 3; ++c) map.values[3 * i + c] = colour[c];
+  });
+  return map;
+}
+
+Image SetBake::take_height() {
+  return padded(std::move(source_.height), has_value_);
+}
+
+Image SetBake::take_object_normal() {
+  return padded_normals(std::move(source_.object_normal));
 }
 
 }  // namespace ohb

@@ -10,7 +10,11 @@ namespace {
 
 struct Options {
   std::string scan, regions, materials, unit, name, normals = "auto", output;
+  std::string source, source_unit, cage;
   int size_px = 0;
+  double reach_cm = 0, max_missed_percent = 100 * kMaxMissedShare;
+  double max_overlap_percent = 100 * kMaxSourceOverlapShare;
+  bool wants_object_normals = false;
 };
 
 int run_bake(const Options& options, const CommonOptions& common) {
@@ -23,6 +27,13 @@ int run_bake(const Options& options, const CommonOptions& common) {
   job.normals = options.normals;
   job.quiet = common.json;
   job.size_px = options.size_px;
+  job.source = options.source;
+  job.source_unit = options.source_unit;
+  job.cage = options.cage;
+  job.reach_cm = options.reach_cm;
+  job.max_missed_percent = options.max_missed_percent;
+  job.max_overlap_percent = options.max_overlap_percent;
+  job.wants_object_normals = options.wants_object_normals;
   job.output = options.output;
   const BakeReport report = bake_scan(job);
   std::printf("%s", common.json ? (to_json(report).dump(2) + "\n").c_str() : to_text(report).c_str());
@@ -49,12 +60,38 @@ void add_bake_command(CLI::App& app, Commands& commands) {
           "--normals", options->normals,
           "green of the scan's normal maps: opengl (up), directx (down), auto (told from the picture)")
       ->capture_default_str();
+  command->add_option(
+      "--source", options->source,
+      "high-resolution mesh of the same subject, in the same place: colours, normals and relief "
+      "come from it");
+  command->add_option("--source-unit", options->source_unit,
+                      "unit of the source (default: as its file states, else that of the scan)");
+  command
+      ->add_option("--reach", options->reach_cm,
+                   "cm that the source may lie outside or inside the scan (default: 1 % of its diagonal)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--cage", options->cage,
+                      "the scan with its points moved outwards: how far the source may lie outside, point by "
+                      "point");
+  command
+      ->add_option("--max-missed", options->max_missed_percent,
+                   "percent of a set's texels that may miss the source")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  command
+      ->add_option("--max-overlap", options->max_overlap_percent,
+                   "percent of a set's texels that may show two faces, with a source")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  command->add_flag("--object-normals", options->wants_object_normals,
+                    "write the source's normals in the model's axes too (normal_object.exr)");
   command->add_option("-o,--output", options->output, "folder for the model")->required();
   add_common_options(*command, commands.common);
   command->footer(
       "Examples:\n"
       "  openhumanbrdf bake person.obj --regions regions -o model\n"
-      "  openhumanbrdf bake person.glb --regions regions --size 4096 --unit m -o model");
+      "  openhumanbrdf bake person.glb --regions regions --size 4096 --unit m -o model\n"
+      "  openhumanbrdf bake low.obj --regions regions --source high.obj --size 4096 -o model");
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_bake(*options, commands.common); };
   });

@@ -40,6 +40,11 @@ struct TextureSetEntry {
 /// Folder names for sets of these names: portable characters only, unique even where case is ignored.
 std::vector<std::string> texture_set_folders(const std::vector<std::string>& names);
 
+/// One map of a set into maps/<entry.folder>/ of the MODEL at `folder`, with its preview; notes it in
+/// `entry`, whose size it must have. An empty image: nothing, or a flat normal map that is not noted.
+void write_texture_map(const std::filesystem::path& folder, const MapKind& kind, Image image,
+                       TextureSetEntry& entry);
+
 /// maps/<set_folder>/ of the MODEL at `folder`; each map's memory is freed once it is on disk.
 /// Throws as write_model.
 TextureSetEntry write_texture_set(const std::filesystem::path& folder, const std::string& set_folder,

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/colour.h"
@@ -130,32 +131,33 @@ std::vector<std::string> texture_set_folders(const std::vector<std::string>& nam
   return folders;
 }
 
-TextureSetEntry write_texture_set(const fs::path& folder, const std::string& set_folder, TextureSet&& set) {
-  const fs::path maps = folder / "maps" / set_folder, previews = maps / "previews";
+void write_texture_map(const fs::path& folder, const MapKind& kind, Image image, TextureSetEntry& entry) {
+  const fs::path maps = folder / "maps" / entry.folder, previews = maps / "previews";
   make_folders(previews);
+  // All six maps are on disk, but a flat normal map is not named in model.xml: nobody need sample it.
+  const bool is_flat_normal = image.values.empty() && kind.image == &TextureSet::normal;
+  if (is_flat_normal) image = flat_normals(entry.width_px, entry.height_px);
+  if (image.values.empty() && kind.is_optional) return;
+  if (image.width_px != entry.width_px || image.height_px != entry.height_px ||
+      image.channels != kind.channels)
+    throw std::logic_error("texture set '" + entry.name + "': map " + kind.name + " has a wrong size");
+  Image preview = preview_of(image);
+  encode_preview(kind.name, preview);
+  write_png(previews / (std::string(kind.name) + ".png"), preview);
+  ExrPart part{kind.name,
+               kind.channels == 3 ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"},
+               kind.is_float ? ExrPart::Type::kFloat : ExrPart::Type::kHalf, std::move(image)};
+  std::vector<ExrPart> parts;
+  parts.push_back(std::move(part));
+  write_exr(maps / (std::string(kind.name) + ".exr"), parts, {});
+  if (!is_flat_normal) entry.maps.push_back(kind.name);
+}
+
+TextureSetEntry write_texture_set(const fs::path& folder, const std::string& set_folder, TextureSet&& set) {
   TextureSetEntry entry{set.name, set_folder, set.valid.width_px, set.valid.height_px, {}};
-  for (const MapKind& kind : kMapKinds) {
-    Image& image = set.*kind.image;
-    // All six maps are on disk, but a flat normal map is not named in model.xml: nobody need sample it.
-    const bool is_flat_normal = image.values.empty() && kind.image == &TextureSet::normal;
-    if (is_flat_normal) image = flat_normals(entry.width_px, entry.height_px);
-    if (image.values.empty() && kind.is_optional) continue;
-    if (image.width_px != entry.width_px || image.height_px != entry.height_px ||
-        image.channels != kind.channels)
-      throw std::logic_error("texture set '" + set.name + "': map " + kind.name + " has a wrong size");
-    Image preview = preview_of(image);
-    encode_preview(kind.name, preview);
-    write_png(previews / (std::string(kind.name) + ".png"), preview);
-    ExrPart part{kind.name,
-                 kind.channels == 3 ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"},
-                 kind.is_float ? ExrPart::Type::kFloat : ExrPart::Type::kHalf, std::move(image)};
-    image = Image();
-    std::vector<ExrPart> parts;
-    parts.push_back(std::move(part));
-    write_exr(maps / (std::string(kind.name) + ".exr"), parts, {});
-    if (!is_flat_normal) entry.maps.push_back(kind.name);
-  }
-  write_png(maps / "valid.png", set.valid);
+  for (const MapKind& kind : kMapKinds)
+    write_texture_map(folder, kind, std::exchange(set.*kind.image, Image()), entry);
+  write_png(folder / "maps" / set_folder / "valid.png", set.valid);
   set.valid = Image();
   return entry;
 }

@@ -58,6 +58,34 @@ std::vector<GreenChannel> green_channels(const Scan& scan, const std::string& no
   return green;
 }
 
+/// The files of --source and --cage, in memory while the bake runs.
+struct SourceFiles {
+  Scan scan, cage;
+};
+
+/// Reads them and says in `source` where they are.
+void read_source(const BakeJob& job, double scan_unit_cm, SourceFiles& files, BakeSource& source) {
+  if (job.source.empty()) {
+    if (!job.cage.empty() || job.wants_object_normals || job.reach_cm > 0)
+      throw InputError("--source", "", "is missing: --cage, --reach and --object-normals are for it",
+                       "name the high-resolution mesh");
+    return;
+  }
+  files.scan = read_scan(job.source);
+  source.scan = &files.scan;
+  source.sha256 = sha256_of_file(job.source);
+  source.unit_cm = !job.source_unit.empty() ? resolve_unit_cm(files.scan, job.source_unit)
+                                            : files.scan.stated_unit_cm.value_or(scan_unit_cm);
+  source.green = green_channels(files.scan, job.normals);
+  source.reach_cm = job.reach_cm;
+  source.max_missed_share = job.max_missed_percent / 100;
+  source.max_overlap_share = job.max_overlap_percent / 100;
+  source.wants_object_normals = job.wants_object_normals;
+  if (job.cage.empty()) return;
+  files.cage = read_scan(job.cage);
+  source.cage = &files.cage;
+}
+
 }  // namespace
 
 BakeReport bake_scan(const BakeJob& job) {
@@ -72,7 +100,9 @@ BakeReport bake_scan(const BakeJob& job) {
   options.unit_cm = resolve_unit_cm(scan, unit);
   options.name = job.name.empty() ? job.scan.stem().string() : job.name;
   options.quiet = job.quiet;
-  options.green = green_channels(scan, job.normals);
+  SourceFiles files;
+  read_source(job, options.unit_cm, files, options.source);
+  if (job.source.empty()) options.green = green_channels(scan, job.normals);
   options.unit_reason = unit ? "as given" : guess_unit(scan).reason;
   BakeReport report = bake_to_folder(scan, regions, table, options, folder.path());
   folder.commit();

@@ -15,7 +15,13 @@ struct BakeJob {
   std::string name;                 // empty: the scan's file name without extension
   int size_px = 0;                  // BakeOptions::size_px
   std::string normals = "auto";     // of the scan's normal maps: opengl, directx, or told from the pictures
-  std::filesystem::path output;     // MODEL folder, written whole or not at all
+  std::filesystem::path source;  // high-resolution mesh of the same subject; empty: the scan's own pictures
+  std::string source_unit;       // as --source-unit; empty: as its file states, else the scan's
+  std::filesystem::path cage;    // empty: none
+  double reach_cm = 0;           // BakeSource::reach_cm
+  double max_missed_percent = 100 * kMaxMissedShare, max_overlap_percent = 100 * kMaxSourceOverlapShare;
+  bool wants_object_normals = false;
+  std::filesystem::path output;  // MODEL folder, written whole or not at all
   bool quiet = false;
 };
 

@@ -1,0 +1,62 @@
+// One texture set in the making: what its maps share, and each map on demand, so that few are in memory at
+// once.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "bake/bake.h"
+#include "bake/source_bake.h"
+#include "bake/texel_coverage.h"
+
+namespace ohb {
+
+/// The triangles of one set, and their UVs in the same order.
+struct SetTriangles {
+  std::vector<uint32_t> index;  // into Model::triangles
+  std::vector<UvTriangle> uvs;
+};
+
+class SetBake {
+ public:
+  /// All arguments must outlive this. `source`: null for the scan's own pictures. Throws InputError for a
+  /// picture that cannot be read, and where more texels than allowed miss the source.
+  SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, const MaterialTable& table,
+          const BakeOptions& options, const SourceBake* source, SetReport& report);
+
+  int width_px() const { return coverage_.width_px; }
+  int height_px() const { return coverage_.height_px; }
+  /// A finished, padded map; empty if the set has none of this kind. Ask once for each.
+  Image take(Image TextureSet::*map);
+  Image take_height();         // cm along the low mesh's normal; empty without a source
+  Image take_object_normal();  // empty unless wanted
+  /// Colours of what each texel found, as docs/commands/bake.md lists them; empty without a source and
+  /// overlaps.
+  Image debug() const;
+
+ private:
+  Image albedo();
+  Image alpha() const;
+  Image normal();
+  Image class_map(float ClassMaterial::*value) const;
+  Image displacement() const;
+  Image valid() const;
+  Image padded(Image image, const std::vector<uint8_t>& is_covered) const;
+  Image padded_normals(Image image) const;
+  void report_source();
+
+  const CanonicalMesh& mesh_;
+  const MaterialTable& table_;
+  const ScanMaterial& material_;
+  GreenChannel green_;
+  SetReport& report_;
+  SetTriangles triangles_;
+  TexelCoverage coverage_;
+  std::vector<uint8_t> has_class_,
+      has_value_;  // of each texel: a face; a face and, with a source, a point of it
+  bool from_source_;
+  float reach_cm_ = 0;
+  SourceMaps source_;
+};
+
+}  // namespace ohb
