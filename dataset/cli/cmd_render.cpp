@@ -6,16 +6,19 @@
 
 #include "dataset/cli/commands.h"
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/error.h"
 #include "dataset/production/render_samples.h"
 
 namespace ohb {
 namespace {
 
 struct Options {
-  std::string model, output, views = "1", subsurface = "walk", shading = "v1", sampling = "adaptive";
+  std::string model, output, views = "1", subsurface = "walk", shading = "v1", sampling = "adaptive",
+                             quality = "reference";
   std::vector<std::string> environments, points;
   int size_px = 512, spp = 256, bounces = 32;
-  double error = 0;
+  double error = 0, tolerance = RenderJob().tolerance;
+  bool tolerance_given = false;
   int max_spp = ErrorGoal().max_spp;
 };
 
@@ -34,6 +37,12 @@ int run_render(const Options& options, const CommonOptions& common) {
   job.settings.subsurface = options.subsurface == "walk";
   job.settings.model = options.shading == "v2" ? ShadingModel::kV2 : ShadingModel::kV1;
   job.settings.seed = common.seed;
+  job.quality = options.quality == "auto"   ? Quality::kAuto
+                : options.quality == "fast" ? Quality::kFast
+                                            : Quality::kReference;
+  job.tolerance = options.tolerance;
+  if (job.quality != Quality::kAuto && options.tolerance_given)
+    throw InputError("", "--tolerance", "needs --quality auto", "give both, or neither");
   job.output = options.output;
   const RenderReport report = render_samples(job);
   if (common.json) {
@@ -124,6 +133,19 @@ void add_render_command(CLI::App& app, Commands& commands) {
           "adaptive: --spp is the mean, more where the noise is (unbiased, from 32 on); even: all the same")
       ->check(CLI::IsMember({"adaptive", "even"}))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--quality", options->quality,
+          "reference: everything; auto: leaves out what pilot images show to change no light by more "
+          "than --tolerance; fast: no subsurface, 1 bounce, environments of 256 px, maps of 1024 px")
+      ->check(CLI::IsMember({"reference", "fast", "auto"}))
+      ->capture_default_str();
+  command
+      ->add_option_function<double>(
+          "--tolerance",
+          [options](double tolerance) { options->tolerance = tolerance, options->tolerance_given = true; },
+          "of --quality auto: root mean square change of a light's image, relative (default 0.02)")
+      ->check(within(1e-4, 1.0));
   command->add_option("-o,--output", options->output, "folder for the samples")->required();
   add_common_options(*command, commands.common);
   command->footer(

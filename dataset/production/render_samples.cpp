@@ -47,6 +47,10 @@ std::string shortest(double value) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
+const char* quality_name(Quality quality) {
+  return quality == Quality::kAuto ? "auto" : quality == Quality::kFast ? "fast" : "reference";
+}
+
 ExrAttributes attributes_of(const RenderJob& job, const Model& model, const std::string& model_sha256,
                             const std::vector<Environment>& environments, const Camera& camera, int view) {
   const RenderSettings& s = job.settings;
@@ -73,6 +77,8 @@ ExrAttributes attributes_of(const RenderJob& job, const Model& model, const std:
        "relit: linear Rec. 709, premultiplied by mask"},
       {"ohb:toolVersion", OHB_VERSION},
   };
+  a.emplace_back("ohb:quality", quality_name(job.quality));
+  if (job.quality == Quality::kAuto) a.emplace_back("ohb:tolerance", shortest(job.tolerance));
   if (job.goal) a.emplace_back("ohb:error", shortest(job.goal->relative_error));
   // Samples of v1 keep the attributes that they had before there was another.
   if (s.model == ShadingModel::kV2) a.emplace_back("ohb:shadingModel", "Principled v2, Blender 4.5");
@@ -88,6 +94,23 @@ ExrAttributes attributes_of(const RenderJob& job, const Model& model, const std:
 // What rendering found out, which no parameter says beforehand.
 constexpr const char* kReached = "ohb:reached.";
 
+constexpr const char* kNeeds = "ohb:needs.";
+
+/// What was rendered with, where it is less than everything.
+void add_needs(const RenderJob& job, const PreparedScene& prepared, ExrAttributes& attributes) {
+  if (job.quality == Quality::kReference) return;
+  const auto add = [&](const std::string& name, const std::string& value) {
+    attributes.emplace_back(kNeeds + name, value);
+  };
+  const Needs& needs = prepared.needs;
+  const auto limit = [](int value) { return value == Needs().map_px ? "all" : std::to_string(value); };
+  add("subsurface", needs.subsurface ? "all" : "none");
+  add("maxBounces", limit(needs.max_bounces));
+  add("environment_px", limit(needs.environment_px));
+  add("map_px", limit(needs.map_px));
+  if (job.quality == Quality::kAuto) add("errorAtMost", fmt::format("{:.4g}", prepared.error_high));
+}
+
 void add_reached(const ErrorReport& error, ExrAttributes& attributes) {
   attributes.emplace_back(std::string(kReached) + "spp", fmt::format("{:.1f}", error.spp));
   for (const RegionError& e : error.errors)
@@ -101,7 +124,8 @@ bool is_done(const fs::path& file, ExrAttributes wanted) {
   try {
     ExrAttributes found;
     for (auto& attribute : read_sample(file).attributes)
-      if (attribute.first.rfind(kReached, 0) != 0) found.push_back(attribute);
+      if (attribute.first.rfind(kReached, 0) != 0 && attribute.first.rfind(kNeeds, 0) != 0)
+        found.push_back(attribute);
     std::sort(found.begin(), found.end());
     std::sort(wanted.begin(), wanted.end());
     return found == wanted;
@@ -128,6 +152,29 @@ bool has_subsurface(const Model& model) {
   return false;
 }
 
+nlohmann::json quality_json(const RenderJob& job, const PreparedScene& prepared) {
+  const Needs& needs = prepared.needs;
+  const auto limit = [](int value) {
+    return value == Needs().map_px ? nlohmann::json() : nlohmann::json(value);
+  };
+  nlohmann::json json = {{"quality", quality_name(job.quality)},
+                         {"subsurface", needs.subsurface},
+                         {"max_bounces", limit(needs.max_bounces)},
+                         {"environment_px", limit(needs.environment_px)},
+                         {"map_px", limit(needs.map_px)}};
+  if (job.quality != Quality::kAuto) return json;
+  json["tolerance"] = job.tolerance;
+  json["error_at_most"] = prepared.error_high;
+  json["processor_time_of_pilots_to_reference"] = prepared.cpu_share;
+  for (const Omission& o : prepared.tried)
+    json["tried"].push_back({{"what", o.what},
+                             {"left_out", o.is_left_out},
+                             {"error", o.error},
+                             {"low", o.low},
+                             {"high", o.high}});
+  return json;
+}
+
 nlohmann::json error_json(const ErrorGoal& goal, const ErrorReport& error) {
   nlohmann::json json = {{"goal", goal.relative_error}, {"met", error.met}, {"spp", error.spp}};
   for (const RegionError& e : error.errors)
@@ -142,6 +189,7 @@ void write_render_json(const RenderJob& job, const RenderReport& report) {
   nlohmann::json json;
   json["load_s"] = report.load_seconds;
   json["subsurface_replaced_by_diffuse"] = report.subsurface_replaced;
+  if (report.prepared.scene) json["quality"] = quality_json(job, report.prepared);
   for (const RenderedView& view : report.views) {
     json["views"].push_back({{"view", view.view},
                              {"file", view.file.filename().string()},
@@ -157,6 +205,28 @@ void write_render_json(const RenderJob& job, const RenderReport& report) {
     if (job.goal && !view.was_there) json["views"].back()["error"] = error_json(*job.goal, view.error);
   }
   write_file_atomically(job.output / "render.json", json.dump(2) + "\n");
+}
+
+/// Builds what the quality asks for and says what it leaves out. Pilots look at three of the job's views.
+PreparedScene prepare(const RenderJob& job, const Model& model, const std::vector<Environment>& environments,
+                      const Camera& camera, RenderReport& report) {
+  const auto start = Clock::now();
+  const std::vector<int>& views = job.views.indices;
+  std::vector<QualityView> looked_at;
+  for (size_t k = 0; k < std::min<size_t>(3, views.size()); ++k)
+    looked_at.push_back(
+        {camera, turn_of_view(views[k * views.size() / std::min<size_t>(3, views.size())], job.views.count)});
+  PreparedScene prepared =
+      prepare_scene(model, environments, job.points, looked_at, static_cast<int>(views.size()), job.settings,
+                    job.quality, job.tolerance);
+  for (const Omission& o : prepared.tried)
+    spdlog::info("{} {}: changes the image by {:.2g} (98 % sure: {:.2g} to {:.2g})",
+                 o.is_left_out ? "left out:" : "kept: without", o.what, o.error, o.low, o.high);
+  if (job.quality == Quality::kAuto)
+    spdlog::info("all together change it by {:.2g} at most; tolerance {:.2g}", prepared.error_high,
+                 job.tolerance);
+  report.load_seconds += seconds_since(start);
+  return prepared;
 }
 
 /// To the goal, with a warning if it is not reached. Progress counts pixels: as many are done as the share of
@@ -252,8 +322,6 @@ RenderReport render_samples(const RenderJob& job) {
 
   RenderReport report;
   report.subsurface_replaced = !job.settings.subsurface && has_subsurface(model);
-  const auto scene = build_scene(model);
-  const auto lights = prepare_lights(environments, job.points);
   const Camera camera = fit_camera(model.positions_cm);
   report.load_seconds = seconds_since(start);
 
@@ -268,23 +336,27 @@ RenderReport render_samples(const RenderJob& job) {
       rendered.was_there = true;
       progress.add(pixels);
     } else {
-      RenderSettings settings = job.settings;
+      if (!report.prepared.scene) report.prepared = prepare(job, model, environments, camera, report);
+      const PreparedScene& prepared = report.prepared;
+      RenderSettings settings = prepared.settings_for(job.settings);
       settings.seed = seed_of_view(job.settings.seed, model.name, view, job.views.count);
       const double turn_rad = turn_of_view(view, job.views.count);
       const auto map_start = Clock::now();
-      Sample sample = render_maps(*scene, camera, turn_rad, settings, [](size_t) { throw_if_interrupted(); });
+      Sample sample =
+          render_maps(*prepared.scene, camera, turn_rad, settings, [](size_t) { throw_if_interrupted(); });
       rendered.map_seconds = seconds_since(map_start);
-      sample.lights =
-          job.goal ? render_goal(*scene, *lights, camera, turn_rad, settings, *job.goal, rendered, progress)
-                   : render_lights(*scene, *lights, camera, turn_rad, settings, &rendered.statistics,
-                                   [&](size_t n) {
-                                     throw_if_interrupted();
-                                     progress.add(n);
-                                   });
+      sample.lights = job.goal ? render_goal(*prepared.lit, *prepared.lights, camera, turn_rad, settings,
+                                             *job.goal, rendered, progress)
+                               : render_lights(*prepared.lit, *prepared.lights, camera, turn_rad, settings,
+                                               &rendered.statistics, [&](size_t n) {
+                                                 throw_if_interrupted();
+                                                 progress.add(n);
+                                               });
       if (rendered.statistics.nonfinite > 0)
         spdlog::warn("view {}: {} contributions were NaN or infinite and left out", view,
                      rendered.statistics.nonfinite);
       sample.attributes = attributes;
+      add_needs(job, prepared, sample.attributes);
       if (job.goal) add_reached(rendered.error, sample.attributes);
       write_previews(job.output / "previews", view_name(view), sample);
       write_sample(rendered.file, sample);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "renderer/quality.h"
 #include "renderer/render_to_error.h"
 
 namespace ohb {
@@ -29,6 +30,8 @@ struct RenderJob {
   ViewList views;
   RenderSettings settings;        // seed is the job's; each view derives its own
   std::optional<ErrorGoal> goal;  // instead of settings.spp
+  Quality quality = Quality::kReference;
+  double tolerance = 0.02;  // of Quality::kAuto
   std::filesystem::path output;
   bool quiet = false;  // no progress bar
 };
@@ -45,6 +48,7 @@ struct RenderedView {
 struct RenderReport {
   std::vector<RenderedView> views;
   double load_seconds = 0;
+  PreparedScene prepared;            // what was rendered with; empty if all views were there
   bool subsurface_replaced = false;  // the model has subsurface, which is rendered as diffuse reflection
 };
 

@@ -161,6 +161,33 @@ class Commands(unittest.TestCase):
         self.expect_refusal(run(*arguments, self.folder / "x", "--max-spp", 64), "--error")
         self.assertFalse((self.folder / "x").exists())
 
+    def test_quality(self):
+        def rendered(name, *more):
+            result = run("render", self.folder / "model", "--environment", self.environment, "--size", 32, "--spp", 128,
+                         "--views", 40, "--json", "-o", self.folder / name, *more)
+            self.assertEqual(result.returncode, DONE, result.stderr)
+            return json.loads(result.stdout), result.stderr
+        report, words = rendered("auto", "--quality", "auto", "--tolerance", 0.05)
+        quality = report["quality"]
+        self.assertLessEqual(quality["error_at_most"], 0.05)
+        self.assertTrue(any(row["left_out"] for row in quality["tried"]), quality)
+        for row in quality["tried"]:
+            self.assertIn(row["what"], words)
+            if row["left_out"]:
+                self.assertLessEqual(row["high"], 0.05)
+        before = digest(self.folder / "auto")
+        (self.folder / "auto" / "view_003.exr").unlink()
+        again, _ = rendered("auto", "--quality", "auto", "--tolerance", 0.05)
+        self.assertEqual([v["view"] for v in again["views"] if not v["was_there"]], [3])
+        self.assertEqual(digest(self.folder / "auto"), before)
+        report, _ = rendered("fast", "--quality", "fast")
+        self.assertEqual((report["quality"]["subsurface"], report["quality"]["max_bounces"]), (False, 1))
+        for arguments in (("--tolerance", 0.1), ("--quality", "auto", "--tolerance", "nan"), ("--quality", "best"),
+                          ("--quality", "fast", "--tolerance", 0.1)):
+            self.expect_refusal(run("render", self.folder / "model", "--environment", self.environment, *arguments, "-o",
+                                    self.folder / "x"), arguments[-2])
+        self.assertFalse((self.folder / "x").exists())
+
     def test_stops_on_sigterm_and_goes_on(self):
         output = self.folder / "stopped"
         arguments = ["render", self.folder / "model", "--environment", self.environment, "--size", 256, "--spp", 400,
