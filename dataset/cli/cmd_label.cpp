@@ -9,8 +9,9 @@ namespace ohb {
 namespace {
 
 struct Options {
-  std::string scan, rules, faces, truth, unit, output;
+  std::string scan, rules, faces, strokes, truth, unit, output;
   std::vector<std::string> classes;
+  bool automatic = false;
 };
 
 int run_label(const Options& options, const CommonOptions& common) {
@@ -18,6 +19,8 @@ int run_label(const Options& options, const CommonOptions& common) {
   job.scan = options.scan;
   job.rules = options.rules;
   job.faces = options.faces;
+  job.strokes = options.strokes;
+  job.automatic = options.automatic;
   job.truth = options.truth;
   job.unit = options.unit;
   job.classes = options.classes;
@@ -37,6 +40,9 @@ void add_label_command(CLI::App& app, Commands& commands) {
   command->add_option("--rules", options->rules, "rules.xml: classes by names, UV place and colour");
   command->add_option("--faces", options->faces,
                       "finished classes: one index a line, in the order of the faces");
+  command->add_option("--strokes", options->strokes, "strokes.xml: classes painted on the surface");
+  command->add_flag("--automatic", options->automatic,
+                    "classes from body, colour and texture, whatever the names say");
   command
       ->add_option("--classes", options->classes,
                    "what the indices mean (default: the JSON beside the file, else skin,hair,fabric,leather)")
@@ -50,7 +56,9 @@ void add_label_command(CLI::App& app, Commands& commands) {
       "  openhumanbrdf label person.obj --rules rules.xml -o regions\n"
       "  openhumanbrdf label person.obj --faces person.labels.txt --classes skin,hair,fabric,leather -o "
       "regions\n"
-      "Without --rules and --faces the names of materials and groups decide.");
+      "  openhumanbrdf label person.obj --strokes strokes.xml -o regions\n"
+      "With none of them the names of materials and groups decide, and where these say nothing body, colour\n"
+      "and texture.");
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_label(*options, commands.common); };
   });

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "dataset/labelling/face_colours.h"
+#include "dataset/labelling/labeller.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
@@ -12,6 +14,11 @@
 namespace ohb {
 namespace fs = std::filesystem;
 namespace {
+
+struct Labels {
+  std::vector<uint8_t> face_class;
+  std::vector<float> confidence;  // empty if nothing was inferred
+};
 
 /// "a, b and 3 more": the distinct materials of the faces without a class.
 std::string undecided_materials(const Scan& scan, const std::vector<uint8_t>& face_class) {
@@ -27,29 +34,94 @@ std::string undecided_materials(const Scan& scan, const std::vector<uint8_t>& fa
   return names.size() > kNamed ? text + " and " + std::to_string(names.size() - kNamed) + " more" : text;
 }
 
-void expect_decided(const Scan& scan, const LabelJob& job, const std::vector<uint8_t>& face_class) {
-  const size_t undecided = static_cast<size_t>(std::count(face_class.begin(), face_class.end(), kUnlabelled));
-  if (undecided == 0) return;
-  const std::string count = std::to_string(undecided) + " of " + std::to_string(face_class.size()) + " faces";
-  const std::string where = " (material " + undecided_materials(scan, face_class) + ")";
-  if (!job.rules.empty())
-    throw InputError(job.rules.string(), "", "no rule takes " + count + where,
-                     "add rules, or default=\"...\" to <rules>");
-  throw InputError(job.scan.string(), "", "names do not tell the class of " + count + where,
-                   "give --rules with a class for them, or --faces with finished classes");
+size_t undecided_faces(const std::vector<uint8_t>& face_class) {
+  return static_cast<size_t>(std::count(face_class.begin(), face_class.end(), kUnlabelled));
 }
 
-std::vector<uint8_t> classes_by_rules(const Scan& scan, const LabelJob& job, const std::vector<double>& areas,
-                                      LabelReport& report) {
+/// Whether colour can tell anything at all.
+bool has_picture(const Scan& scan) {
+  return std::any_of(scan.materials.begin(), scan.materials.end(),
+                     [](const ScanMaterial& material) { return !material.diffuse.empty(); });
+}
+
+/// Takes the inferred class of each face that has none.
+void infer_classes(Labeller& labeller, const std::vector<Stroke>& strokes, const std::vector<double>& areas,
+                   Labels& labels, LabelReport& report) {
+  const Labelling inferred = labeller.solve(strokes);
+  InferenceReport of;
+  of.strokes = strokes.size();
+  labels.confidence.assign(areas.size(), 1);
+  double area = 0;
+  for (size_t f = 0; f < areas.size(); ++f) {
+    if (labels.face_class[f] != kUnlabelled) continue;
+    labels.face_class[f] = inferred.face_class[f];
+    labels.confidence[f] = inferred.confidence[f];
+    ++of.faces;
+    area += areas[f];
+    of.confidence += areas[f] * inferred.confidence[f];
+    if (inferred.confidence[f] < kDoubtful) of.doubtful_area += areas[f];
+  }
+  if (area > 0) of.confidence /= area;
+  if (inferred.suggested && of.faces == areas.size()) of.suggested = inferred.suggested;
+  report.inferred = of;
+  if (!labeller.start().found_face)
+    report.warnings.push_back(
+        "there is no skin where a face should be: does the scan stand upright (+Y) and face +Z? If the face "
+        "is "
+        "covered, mark skin with --strokes");
+  report.warnings.insert(report.warnings.end(), inferred.warnings.begin(), inferred.warnings.end());
+}
+
+double unit_for(const Scan& scan, const LabelJob& job) {
+  return resolve_unit_cm(scan, job.unit.empty() ? std::nullopt : std::optional(job.unit));
+}
+
+void label_by_strokes(const Scan& scan, const LabelJob& job, const std::vector<double>& areas, Labels& labels,
+                      LabelReport& report) {
+  const double unit_cm = unit_for(scan, job);
+  if (job.strokes.empty() && !has_picture(scan))
+    throw InputError(job.scan.string(), "", "has no picture: there is no colour to infer classes from",
+                     "give --rules, --faces or --strokes");
+  Strokes strokes;
+  if (!job.strokes.empty()) strokes = read_strokes(job.strokes, scan, unit_cm);
+  if (!strokes.scan_sha256.empty() && strokes.scan_sha256 != report.scan_sha256)
+    throw InputError(job.strokes.string(), "",
+                     "was painted on another scan than " + report.scan + " (the hash of the file differs)",
+                     "give the strokes of this scan");
+  report.method = job.strokes.empty() ? "automatic" : "strokes";
+  labels.face_class.assign(scan.face_count(), kUnlabelled);
+  Labeller labeller(scan, unit_cm);
+  infer_classes(labeller, strokes.strokes, areas, labels, report);
+}
+
+void label_by_rules(const Scan& scan, const LabelJob& job, const std::vector<double>& areas, Labels& labels,
+                    LabelReport& report) {
   const bool is_given = !job.rules.empty();
   report.method = is_given ? "rules" : "names";
   const LabelRules rules = read_label_rules(is_given ? job.rules : program_file("assets/rules_by_name.xml"));
   const std::vector<Vec3f> colours = rules.use_colour() ? mean_face_colours(scan) : std::vector<Vec3f>();
   RuleOutcome outcome;
-  std::vector<uint8_t> face_class = apply_rules(rules, scan, colours, outcome);
+  labels.face_class = apply_rules(rules, scan, colours, outcome);
   report_rules(rules, outcome, areas, is_given, report);
-  expect_decided(scan, job, face_class);
-  return face_class;
+  const size_t undecided = undecided_faces(labels.face_class);
+  if (undecided == 0) return;
+  const std::string count = std::to_string(undecided) + " of " + std::to_string(scan.face_count()) + " faces";
+  const std::string where = " (material " + undecided_materials(scan, labels.face_class) + ")";
+  if (is_given)
+    throw InputError(job.rules.string(), "", "no rule takes " + count + where,
+                     "add rules, or default=\"...\" to <rules>");
+  if (!has_picture(scan))
+    throw InputError(
+        job.scan.string(), "",
+        "names do not tell the class of " + count + where + ", and there is no picture to infer it from",
+        "give --rules with a class for them, --faces with finished classes, or --strokes");
+  report.method =
+      undecided == scan.face_count() ? "automatic" : "names, and automatic where they say nothing";
+  report.warnings.push_back("names do not tell the class of " + count + where +
+                            ": inferred from body, colour and texture; look at them, and correct them with "
+                            "--strokes");
+  Labeller labeller(scan, unit_for(scan, job));
+  infer_classes(labeller, {}, areas, labels, report);
 }
 
 std::vector<uint8_t> classes_of_file(const fs::path& file, const Scan& scan, const LabelJob& job) {
@@ -83,22 +155,26 @@ std::vector<std::string> class_order_of(const fs::path& faces, const fs::path& s
 }
 
 LabelReport label_scan(const LabelJob& job) {
-  if (!job.rules.empty() && !job.faces.empty())
-    throw InputError("", "--rules", "and --faces are both given", "give one of them");
+  if (!job.rules.empty() + !job.faces.empty() + !job.strokes.empty() + job.automatic > 1)
+    throw InputError("", "--rules", "--faces, --strokes and --automatic exclude each other",
+                     "give one of them");
   AtomicFolder folder(job.output);
   const Scan scan = read_scan(job.scan);
   const std::vector<double> areas = face_areas(scan);
   LabelReport report;
   report.scan = job.scan.filename().string();
   report.unit_cm = job.unit.empty() ? guess_unit(scan).unit_cm : unit_cm_of(job.unit);
-  Regions regions;
-  report.scan_sha256 = regions.scan_sha256 = sha256_of_file(job.scan);
-  if (job.faces.empty()) {
-    regions.face_class = classes_by_rules(scan, job, areas, report);
+  report.scan_sha256 = sha256_of_file(job.scan);
+  Labels labels;
+  if (!job.strokes.empty() || job.automatic) {
+    label_by_strokes(scan, job, areas, labels, report);
+  } else if (job.faces.empty()) {
+    label_by_rules(scan, job, areas, labels, report);
   } else {
     report.method = "faces";
-    regions.face_class = classes_of_file(job.faces, scan, job);
+    labels.face_class = classes_of_file(job.faces, scan, job);
   }
+  const Regions regions{labels.face_class, report.scan_sha256};
   report_classes(regions.face_class, areas, report);
   if (report.unlabelled.faces > 0)
     report.warnings.push_back(std::to_string(report.unlabelled.faces) +
@@ -106,7 +182,8 @@ LabelReport label_scan(const LabelJob& job) {
   if (!job.truth.empty())
     report.truth = compare_with_truth(regions.face_class, classes_of_file(job.truth, scan, job), areas);
   write_regions(folder.path(), regions);
-  for (const std::string& name : write_class_maps(folder.path(), scan, regions.face_class))
+  if (!job.strokes.empty()) write_file_atomically(folder.path() / "strokes.xml", read_file(job.strokes));
+  for (const std::string& name : write_class_maps(folder.path(), scan, regions.face_class, labels.confidence))
     report.warnings.push_back("material '" + name + "' has faces without usable UVs: no class map for it");
   write_file_atomically(folder.path() / "report.json", to_json(report).dump(2) + "\n");
   write_file_atomically(folder.path() / "report.txt", to_text(report));

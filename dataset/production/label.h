@@ -1,5 +1,5 @@
-// Labelling a scan: classes of its faces from rules, from finished classes, or from names.
-// Later: a few strokes on the surface (`strokes`), automatic labels from geometry and colour.
+// Labelling a scan: classes of its faces from rules, finished classes, names, strokes on the surface, or from
+// body, colour and texture alone.
 #pragma once
 
 #include <filesystem>
@@ -13,19 +13,22 @@ namespace ohb {
 
 struct LabelJob {
   std::filesystem::path scan;
-  /// At most one of these; without any, assets/rules_by_name.xml decides by the names of materials and
-  /// groups.
-  std::filesystem::path rules, faces;
+  /// At most one of these four. Without any, assets/rules_by_name.xml decides by the names of materials and
+  /// groups, and start labels (see start_labels.h) where these say nothing.
+  std::filesystem::path rules, faces, strokes;
+  bool automatic = false;  // start labels for every face, whatever the names say
   /// What the indices of `faces` and `truth` mean. Empty: "classes" of the JSON beside the file
   /// (x.labels.txt: x.json; else the scan's own), else skin, hair, fabric, leather.
   std::vector<std::string> classes;
   std::filesystem::path truth;   // known classes to compare with; empty: none
-  std::string unit;              // as --unit, for areas in cm2; empty: guessed, no areas if that fails
+  std::string unit;              // as --unit; empty: guessed. Needed for strokes and start labels
   std::filesystem::path output;  // REGIONS folder, written whole or not at all
 };
 
-/// Writes REGIONS: regions.xml, faces.txt, class maps, report.json, report.txt. Throws InputError: files that
-/// are missing or malformed, rules and faces at once, faces that nothing decides, output not writable.
+/// Writes REGIONS: regions.xml, faces.txt, class maps, report.json, report.txt; with strokes or start labels
+/// confidence maps too, and a copy of the strokes. Throws InputError: files that are missing or malformed,
+/// rules, faces and strokes at once, strokes of another scan, a rule file that leaves faces undecided, a unit
+/// that is needed and not known, output not writable.
 LabelReport label_scan(const LabelJob& job);
 
 /// The order of classes for a file of face classes (see LabelJob::classes). Throws InputError for a JSON

@@ -34,6 +34,33 @@ nlohmann::ordered_json truth_json(const TruthComparison& truth) {
   return json;
 }
 
+nlohmann::ordered_json inference_json(const InferenceReport& inferred, const LabelReport& report) {
+  nlohmann::ordered_json json{{"strokes", inferred.strokes},
+                              {"faces", inferred.faces},
+                              {"confidence", inferred.confidence},
+                              {"doubtful_area_share", share(inferred.doubtful_area, report.total_area)}};
+  json["suggested_stroke"] = nullptr;
+  if (inferred.suggested)
+    json["suggested_stroke"] = {{"face", inferred.suggested->face},
+                                {"now", kClassNames[inferred.suggested->now]},
+                                {"rival", kClassNames[inferred.suggested->rival]},
+                                {"area_cm2", inferred.suggested->area_cm2}};
+  return json;
+}
+
+std::string inference_text(const InferenceReport& inferred, const LabelReport& report) {
+  std::string text = fmt::format(
+      "  inferred from {} strokes: {} faces, mean confidence {:.2f}, {:.2f} % of the "
+      "area in doubt\n",
+      inferred.strokes, inferred.faces, inferred.confidence,
+      100 * share(inferred.doubtful_area, report.total_area));
+  if (inferred.suggested)
+    text += fmt::format("  a stroke at face {} would settle most: {} or {}? ({:.0f} cm2)\n",
+                        inferred.suggested->face, kClassNames[inferred.suggested->now],
+                        kClassNames[inferred.suggested->rival], inferred.suggested->area_cm2);
+  return text;
+}
+
 std::string truth_text(const TruthComparison& truth) {
   std::string text = fmt::format("against the truth: accuracy {:.2f} % of the area, mean IoU {:.3f}\n",
                                  100 * truth.accuracy, truth.mean_iou);
@@ -133,6 +160,7 @@ nlohmann::ordered_json to_json(const LabelReport& report) {
   for (const RuleReport& rule : report.rules)
     json["rules"].push_back(
         {{"rule", rule.text}, {"matched_faces", rule.matched}, {"took", share_json(rule.took, report)}});
+  if (report.inferred) json["inferred"] = inference_json(*report.inferred, report);
   if (report.truth) json["truth"] = truth_json(*report.truth);
   json["warnings"] = report.warnings;
   return json;
@@ -153,6 +181,7 @@ std::string to_text(const LabelReport& report) {
       text += fmt::format(
           "  rule {}: {} faces, {:.2f} % of the area ({})\n", r + 1, report.rules[r].took.faces,
           100 * share(report.rules[r].took.area, report.total_area), shortened(report.rules[r].text));
+  if (report.inferred) text += inference_text(*report.inferred, report);
   if (report.truth) text += truth_text(*report.truth);
   for (const std::string& warning : report.warnings) text += "warning: " + warning + "\n";
   return text;

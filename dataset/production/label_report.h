@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "dataset/labelling/doubt.h"
 #include "dataset/model/regions.h"
 #include "dataset/model/scan.h"
 #include "dataset/production/label_rules.h"
@@ -37,13 +38,24 @@ struct RuleReport {
   ClassShare took;       // matched and not taken by a later rule
 };
 
+/// Of labels that were inferred from strokes, or from body, colour and texture.
+struct InferenceReport {
+  uint64_t strokes = 0, faces = 0;  // faces: those whose class was inferred
+  double confidence = 0;            // mean over their area
+  double doubtful_area = 0;         // of faces below kDoubtful, in the square of the scan's unit
+  std::optional<SuggestedStroke> suggested;
+};
+
 struct LabelReport {
-  std::string scan, scan_sha256, method;  // method: "rules", "faces" or "names"
+  /// method: "rules", "faces", "names", "strokes", "automatic", or "names, and automatic where they say
+  /// nothing".
+  std::string scan, scan_sha256, method;
   std::optional<double> unit_cm;
   double total_area = 0;
   std::array<ClassShare, kClassCount> classes;
   ClassShare unlabelled;
   std::vector<RuleReport> rules;
+  std::optional<InferenceReport> inferred;
   std::optional<TruthComparison> truth;
   std::vector<std::string> warnings;
 };

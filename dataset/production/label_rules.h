@@ -65,7 +65,4 @@ std::vector<uint8_t> apply_rules(const LabelRules& rules, const Scan& scan,
 /// Whether the text matches one of the glob's alternatives.
 bool matches_glob(const std::string& glob, const std::string& text);
 
-/// Linear Rec. 709 to CIE L*a*b* 1976, white D65 (CIE 15:2004, IEC 61966-2-1 matrix).
-Vec3f linear_to_lab(Vec3f linear);
-
 }  // namespace ohb

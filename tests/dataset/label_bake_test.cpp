@@ -55,6 +55,12 @@ size_t entries_of(const fs::path& folder) {
   return static_cast<size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
+void edit(const fs::path& file, const std::string& from, const std::string& to) {
+  std::string content = read_file(file);
+  ASSERT_NE(content.find(from), std::string::npos) << file << ": " << from;
+  write_bytes(file, content.replace(content.find(from), from.size(), to));
+}
+
 TEST(LabelBake, FromFilesToAModelThatReadsBack) {
   Square square;
   square.label.truth = write_bytes(square.folder / "truth.txt", "0\n3\n");
@@ -113,18 +119,56 @@ TEST(LabelBake, IdleRulesAreWarnedOf) {
   expect_message(report.warnings[1], {"rule 2", "later rules take all 2"});
 }
 
+TEST(LabelBake, WhereNamesSayNothingTheClassesAreInferredAndThatIsSaid) {
+  Square square;
+  square.label.faces.clear();
+  edit(square.folder / "square.obj", "usemtl shirt", "usemtl atlas");
+  edit(square.folder / "square.mtl", "newmtl shirt", "newmtl atlas");
+  const LabelReport report = label_scan(square.label);
+  EXPECT_EQ(report.method, "automatic");
+  EXPECT_EQ(report.unlabelled.faces, 0u);
+  ASSERT_TRUE(report.inferred);
+  EXPECT_EQ(report.inferred->faces, 2u);
+  ASSERT_EQ(report.warnings.size(), 2u);
+  expect_message(report.warnings[0],
+                 {"names do not tell the class of 2 of 2 faces", "inferred", "--strokes"});
+  expect_message(report.warnings[1], {"no skin where a face should be", "upright"});
+  EXPECT_TRUE(fs::exists(square.folder / "regions/maps/atlas/confidence.png"));
+}
+
+TEST(LabelBake, NamesThatSaySomethingAreKept) {
+  Square square;
+  square.label.faces.clear();
+  edit(square.folder / "square.obj", "f 1/1 3/3 4/4", "usemtl boot\nf 1/1 3/3 4/4");
+  write_bytes(square.folder / "square.mtl", "newmtl shirt\nmap_Kd p.png\nnewmtl boot\nmap_Kd p.png\n");
+  EXPECT_EQ(label_scan(square.label).method, "names");
+  edit(square.folder / "square.obj", "usemtl shirt", "usemtl atlas");
+  edit(square.folder / "square.mtl", "newmtl shirt", "newmtl atlas");
+  const LabelReport report = label_scan(square.label);
+  EXPECT_EQ(report.method, "names, and automatic where they say nothing");
+  EXPECT_EQ(report.inferred->faces, 1u);
+  EXPECT_EQ(read_regions(square.folder / "regions").face_class[1], kLeather);
+}
+
+TEST(LabelBake, StrokesDecideAndAreKept) {
+  Square square;
+  square.label.faces.clear();
+  square.label.strokes = write_bytes(square.folder / "s.xml",
+                                     "<strokes schema='1.0'><stroke class='hair' radius_cm='1' time_s='0'>"
+                                     "<point face='0' at='75,30,0'/></stroke></strokes>");
+  const LabelReport report = label_scan(square.label);
+  EXPECT_EQ(report.method, "strokes");
+  EXPECT_EQ(report.inferred->strokes, 1u);
+  EXPECT_EQ(read_regions(square.folder / "regions").face_class[0], kHair);
+  EXPECT_EQ(read_file(square.folder / "regions/strokes.xml"), read_file(square.label.strokes));
+}
+
 struct Hostile {
   const char* name;
   std::function<void(Square&)> damage;
   bool is_label;  // label fails; else bake after a good label
   std::vector<std::string> message;
 };
-
-void edit(const fs::path& file, const std::string& from, const std::string& to) {
-  std::string content = read_file(file);
-  ASSERT_NE(content.find(from), std::string::npos) << file << ": " << from;
-  write_bytes(file, content.replace(content.find(from), from.size(), to));
-}
 
 std::vector<Hostile> hostile_inputs() {
   const auto faces = [](const std::string& text) {
@@ -177,14 +221,46 @@ std::vector<Hostile> hostile_inputs() {
       {"rules and faces",
        [](Square& s) { s.label.rules = s.folder / "rules.xml"; },
        true,
-       {"--rules", "--faces are both given"}},
+       {"--rules", "--faces", "--strokes", "exclude each other"}},
       {"nothing decides",
        [](Square& s) {
          s.label.faces.clear();
          edit(s.folder / "square.obj", "usemtl shirt\n", "");
        },
        true,
-       {"names do not tell the class of 2 of 2 faces", "--rules", "--faces"}},
+       {"names do not tell the class of 2 of 2 faces", "no picture", "--rules", "--strokes"}},
+      {"automatic without a picture",
+       [](Square& s) {
+         s.label.faces.clear();
+         s.label.automatic = true;
+         edit(s.folder / "square.mtl", "map_Kd p.png\n", "");
+       },
+       true,
+       {"square.obj", "has no picture", "--strokes"}},
+      {"automatic without a unit",
+       [](Square& s) {
+         s.label.faces.clear();
+         s.label.automatic = true;
+         edit(s.folder / "square.obj", "v 150 150 0\nv 0 150 0", "v 150 50 0\nv 0 50 0");
+       },
+       true,
+       {"square.obj", "unit"}},
+      {"strokes of another scan",
+       [](Square& s) {
+         s.label.faces.clear();
+         s.label.strokes = write_bytes(s.folder / "s.xml", "<strokes schema='1.0' scan_sha256='12ab'/>");
+       },
+       true,
+       {"s.xml", "was painted on another scan than square.obj"}},
+      {"strokes on a face that does not exist",
+       [](Square& s) {
+         s.label.faces.clear();
+         s.label.strokes = write_bytes(s.folder / "s.xml",
+                                       "<strokes schema='1.0'><stroke class='skin' radius_cm='1' time_s='0'>"
+                                       "<point face='2' at='0,0,0'/></stroke></strokes>");
+       },
+       true,
+       {"s.xml: stroke 1: face 2 does not exist, the scan has 2"}},
       {"rules leave faces",
        [](Square& s) {
          s.label.faces.clear();

@@ -1,9 +1,10 @@
 #include "dataset/production/label_rules.h"
 
+#include "dataset/labelling/face_colours.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
+#include "dataset/model/lab_colour.h"
 #include "dataset/production/label.h"
-#include "dataset/production/label_maps.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_files.h"

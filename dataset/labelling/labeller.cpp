@@ -1,0 +1,148 @@
+#include "dataset/labelling/labeller.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ohb {
+namespace {
+
+constexpr float kColour = 0.5f, kWalk = 1, kBorder_cm = 1.5f;
+/// How far a walk goes where the start labels are sure; three times as far where they know nothing.
+constexpr float kReach_cm = 3;
+constexpr float kLeastTrust = 0.1f;
+constexpr float kSeed = 50;          // conductance of a stroked face: far more than all its borders
+constexpr float kFloor = 0.01f;      // least probability: no term decides alone
+constexpr float kStrokeCost = 1e7f;  // of another class than the stroke's
+constexpr size_t kColourSamples = 6000;
+constexpr float kStrokeShare = 4;   // what looks like a stroke against the start labels
+constexpr float kSureShare = 0.5f;  // faces below are not what their class looks like
+
+/// A metric: hair borders skin softly, leather and hair hardly ever meet.
+constexpr std::array<std::array<float, kClassCount>, kClassCount> kClassDistance = {
+    {{0, 0.8f, 1, 1}, {0.8f, 0, 1, 1.5f}, {1, 1, 0, 0.7f}, {1, 1.5f, 0.7f, 0}}};
+
+}  // namespace
+
+Labeller::Labeller(const Scan& scan, double unit_cm, LabelTerms terms)
+    : unit_cm_(unit_cm),
+      terms_(terms),
+      features_(face_features(scan, unit_cm)),
+      start_(start_labels(features_)),
+      likeness_(edge_likeness(features_)) {
+  const FaceGraph& graph = features_.graph;
+  for (const ClassValues& p : start_.probability)
+    start_class_.push_back(static_cast<uint8_t>(std::max_element(p.begin(), p.end()) - p.begin()));
+  std::vector<EnergyPair> conductance;
+  for (size_t e = 0; e < graph.edges.size(); ++e) {
+    const FaceEdge& edge = graph.edges[e];
+    conductance.push_back({edge.a, edge.b, likeness_[e] * edge.length_cm / edge.distance_cm});
+    borders_.push_back(
+        {edge.a, edge.b, kBorder_cm * edge.length_cm * (terms.likeness ? likeness_[e] : 1.0f)});
+  }
+  std::vector<float> restart;
+  for (size_t f = 0; f < graph.size(); ++f)
+    restart.push_back((graph.area_cm2[f] + 1e-6f) * (kLeastTrust + start_.trust[f]) /
+                      (kReach_cm * kReach_cm));
+  walker_.emplace(graph.size(), conductance, std::move(restart));
+}
+
+std::vector<ClassValues> Labeller::revised_start(const std::vector<Stroke>& strokes) {
+  const auto is_same = [](const Stroke& l, const Stroke& r) {
+    return l.radius_cm == r.radius_cm && l.points.size() == r.points.size() &&
+           std::equal(l.points.begin(), l.points.end(), r.points.begin(), [](const auto& p, const auto& q) {
+             return p.face == q.face && p.at.x == q.at.x && p.at.y == q.at.y && p.at.z == q.at.z;
+           });
+  };
+  reaches_.resize(strokes.size());
+  tbb::parallel_for(size_t{0}, strokes.size(), [&](size_t s) {
+    if (is_same(reaches_[s].stroke, strokes[s])) return;
+    reaches_[s] = {strokes[s], reach_of_stroke(features_, likeness_, start_class_,
+                                               faces_of_stroke(strokes[s], features_.graph, unit_cm_))};
+  });
+  std::vector<ClassValues> best(features_.size(), ClassValues{});
+  for (size_t s = 0; s < strokes.size(); ++s)
+    for (const StrokeLikeness& like : reaches_[s].faces) {
+      float& value = best[like.face][strokes[s].material_class];
+      value = std::max(value, like.value);
+    }
+  std::vector<ClassValues> start = start_.probability;
+  for (size_t f = 0; f < start.size(); ++f) {
+    const float sum = best[f][0] + best[f][1] + best[f][2] + best[f][3];
+    for (int c = 0; c < kClassCount; ++c)
+      start[f][c] = (start[f][c] + kStrokeShare * best[f][c]) / (1 + kStrokeShare * sum);
+  }
+  return start;
+}
+
+std::vector<ClassValues> Labeller::colour_probability(const std::vector<ClassValues>& share,
+                                                      const StrokedFaces& stroked) const {
+  const size_t faces = share.size();
+  std::vector<uint32_t> sample = stroked.face;
+  for (size_t f = 0; f < faces; f += std::max<size_t>(1, faces / kColourSamples))
+    sample.push_back(static_cast<uint32_t>(f));
+  std::vector<Appearance> looks;
+  for (uint32_t f : sample) looks.push_back(features_.appearance[f]);
+  std::array<std::optional<ColourModel>, kClassCount> models;
+  tbb::parallel_for(0, kClassCount, [&](int c) {
+    std::vector<float> weights;
+    for (uint32_t f : sample)
+      weights.push_back(share[f][c] > kSureShare ? features_.graph.area_cm2[f] * share[f][c] * share[f][c]
+                                                 : 0);
+    models[c].emplace(looks, weights);
+  });
+  std::vector<ClassValues> probability(faces);
+  tbb::parallel_for(size_t{0}, faces, [&](size_t f) {
+    ClassValues& p = probability[f];
+    for (int c = 0; c < kClassCount; ++c) p[c] = models[c]->log_density(features_.appearance[f]);
+    const float highest = *std::max_element(p.begin(), p.end());
+    float sum = 0;
+    for (float& value : p) sum += value = std::exp(value - highest);
+    for (float& value : p) value /= sum;
+  });
+  return probability;
+}
+
+LabelEnergy Labeller::energy_of_faces(const std::vector<ClassValues>& walk,
+                                      const StrokedFaces& stroked) const {
+  LabelEnergy energy;
+  energy.distance = kClassDistance;
+  if (terms_.border) energy.pairs = borders_;
+  energy.cost.resize(features_.size());
+  std::vector<ClassValues> colour;
+  if (terms_.colour) colour = colour_probability(walk, stroked);
+  for (size_t f = 0; f < energy.cost.size(); ++f)
+    for (int c = 0; c < kClassCount; ++c) {
+      float cost = 0;
+      if (terms_.colour) cost -= kColour * std::log(colour[f][c] + kFloor);
+      if (terms_.prior) cost -= kWalk * std::log(walk[f][c] + kFloor);
+      energy.cost[f][c] = features_.graph.area_cm2[f] * cost;
+    }
+  for (size_t i = 0; i < stroked.face.size(); ++i)
+    for (int c = 0; c < kClassCount; ++c)
+      if (c != stroked.material_class[i]) energy.cost[stroked.face[i]][c] += kStrokeCost;
+  return energy;
+}
+
+Labelling Labeller::solve(const std::vector<Stroke>& strokes) {
+  const StrokedFaces stroked = stroked_faces(strokes, features_.graph, unit_cm_);
+  std::vector<Seed> seeds;
+  for (size_t i = 0; i < stroked.face.size(); ++i)
+    seeds.push_back({stroked.face[i], stroked.material_class[i], kSeed});
+  const std::vector<ClassValues> start = terms_.reach ? revised_start(strokes) : start_.probability;
+  walk_ = terms_.walk ? walker_->solve(start, seeds, walk_) : start;
+  const LabelEnergy energy = energy_of_faces(walk_, stroked);
+  if (face_class_.empty())
+    for (const ClassValues& cost : energy.cost)
+      face_class_.push_back(static_cast<uint8_t>(std::min_element(cost.begin(), cost.end()) - cost.begin()));
+  minimise(energy, face_class_, strokes.empty() ? uint8_t{kSkin} : uint8_t{strokes.back().material_class});
+  Labelling result;
+  result.face_class = face_class_;
+  result.confidence = confidence_of(energy, features_.graph.area_cm2, face_class_);
+  result.suggested = suggest_stroke(features_.graph, energy, face_class_, result.confidence);
+  result.warnings = stroked.warnings;
+  return result;
+}
+
+}  // namespace ohb

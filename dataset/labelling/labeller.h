@@ -1,0 +1,78 @@
+// Labels of a scan from start labels and strokes: prepared once, solved anew after each stroke.
+//
+// Energy of the labels l over faces f and the pairs of faces (f, g) that meet:
+//   sum_f A_f [ -k_colour log G_l(f) - k_walk log X_l(f) ] + k_border sum_fg b_fg w_fg M(l_f, l_g)
+// A area, b length of the shared border (so that the mesh's fineness does not matter), G the probability by
+// the person's own colour models (Rother et al., "GrabCut", SIGGRAPH 2004, on a mesh), X the random walker's,
+// w the likeness of the two faces, M the distance of the classes. Stroked faces keep their class.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dataset/labelling/doubt.h"
+#include "dataset/labelling/face_features.h"
+#include "dataset/labelling/random_walker.h"
+#include "dataset/labelling/start_labels.h"
+#include "dataset/labelling/stroke_reach.h"
+#include "dataset/labelling/strokes.h"
+
+namespace ohb {
+
+/// Which parts of the energy count: all for use, fewer for comparisons.
+struct LabelTerms {
+  bool colour = true;    // G
+  bool prior = true;     // X
+  bool walk = true;      // X is walked; without, it is the start labels
+  bool reach = true;     // strokes change the start labels of all that they reach (see reach_of_stroke)
+  bool border = true;    // M
+  bool likeness = true;  // w; without, 1 everywhere
+};
+
+struct Labelling {
+  std::vector<uint8_t> face_class;
+  std::vector<float> confidence;  // see confidence_of
+  std::optional<SuggestedStroke> suggested;
+  std::vector<std::string> warnings;
+};
+
+class Labeller {
+ public:
+  /// Reads the pictures and builds the graph. `unit_cm`: cm a unit of the scan. Throws InputError for a
+  /// picture that cannot be read.
+  Labeller(const Scan& scan, double unit_cm, LabelTerms terms = {});
+
+  /// Labels for all these strokes (none: from the start labels alone). They must fit the scan (see
+  /// expect_stroke_on_scan). Starts from the result of the call before, which saves time; the first call's
+  /// result depends on the arguments alone, and on no number of threads.
+  Labelling solve(const std::vector<Stroke>& strokes);
+
+  const FaceFeatures& features() const { return features_; }
+  const StartLabels& start() const { return start_; }
+  double unit_cm() const { return unit_cm_; }
+
+ private:
+  std::vector<ClassValues> revised_start(const std::vector<Stroke>& strokes);
+  std::vector<ClassValues> colour_probability(const std::vector<ClassValues>& share,
+                                              const StrokedFaces& stroked) const;
+  LabelEnergy energy_of_faces(const std::vector<ClassValues>& walk, const StrokedFaces& stroked) const;
+
+  double unit_cm_;
+  LabelTerms terms_;
+  FaceFeatures features_;
+  StartLabels start_;
+  std::vector<uint8_t> start_class_;  // the likeliest
+  std::vector<float> likeness_;       // of the edges
+  std::vector<EnergyPair> borders_;
+  std::optional<RandomWalker> walker_;
+  struct Reach {
+    Stroke stroke;
+    std::vector<StrokeLikeness> faces;
+  };
+  std::vector<Reach> reaches_;       // of the call before, in the order of its strokes
+  std::vector<ClassValues> walk_;    // of the call before
+  std::vector<uint8_t> face_class_;  // of the call before
+};
+
+}  // namespace ohb
