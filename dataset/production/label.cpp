@@ -94,6 +94,29 @@ void label_by_strokes(const Scan& scan, const LabelJob& job, const std::vector<d
   infer_classes(labeller, strokes.strokes, areas, labels, report);
 }
 
+/// A scan of one part has no more than one name: it tells what the whole is ("body"), not its parts. Infers
+/// the classes if there is a face to start from; gives false, and changes nothing, if not.
+bool infer_where_one_name_is_all(const Scan& scan, const LabelJob& job, const std::vector<double>& areas,
+                                 Labels& labels, LabelReport& report) {
+  const std::optional<double> unit_cm =
+      job.unit.empty() ? guess_unit(scan).unit_cm : std::optional(unit_cm_of(job.unit));
+  const uint8_t only = labels.face_class.front();
+  const bool is_one_class =
+      std::all_of(labels.face_class.begin(), labels.face_class.end(), [&](uint8_t c) { return c == only; });
+  if (!is_one_class || scan.materials.size() > 1 || !unit_cm || !has_picture(scan)) return false;
+  Labeller labeller(scan, *unit_cm);
+  if (!labeller.start().found_face) return false;
+  labels.face_class.assign(scan.face_count(), kUnlabelled);
+  report.method = "automatic";
+  report.rules.clear();
+  report.warnings.push_back(
+      std::string("names would make every face ") + kClassNames[only] +
+      ": inferred from body, colour and texture instead; look at them, and correct them "
+      "with --strokes");
+  infer_classes(labeller, {}, areas, labels, report);
+  return true;
+}
+
 void label_by_rules(const Scan& scan, const LabelJob& job, const std::vector<double>& areas, Labels& labels,
                     LabelReport& report) {
   const bool is_given = !job.rules.empty();
@@ -104,6 +127,7 @@ void label_by_rules(const Scan& scan, const LabelJob& job, const std::vector<dou
   labels.face_class = apply_rules(rules, scan, colours, outcome);
   report_rules(rules, outcome, areas, is_given, report);
   const size_t undecided = undecided_faces(labels.face_class);
+  if (!is_given && undecided == 0 && infer_where_one_name_is_all(scan, job, areas, labels, report)) return;
   if (undecided == 0) return;
   const std::string count = std::to_string(undecided) + " of " + std::to_string(scan.face_count()) + " faces";
   const std::string where = " (material " + undecided_materials(scan, labels.face_class) + ")";
