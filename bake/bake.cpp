@@ -77,8 +77,8 @@ std::vector<Vec3f> cage_offsets(const CanonicalMesh& mesh, const Scan& scan, con
 }
 
 /// Null without a source.
-std::unique_ptr<SourceBake> source_of(const CanonicalMesh& mesh, const Scan& scan, const BakeOptions& options,
-                                      BakeReport& report) {
+std::unique_ptr<SourceBake> source_of(const CanonicalMesh& mesh, const MeshFrames& frames, const Scan& scan,
+                                      const BakeOptions& options, BakeReport& report) {
   const BakeSource& from = options.source;
   if (!from.scan) return nullptr;
   const auto surface =
@@ -86,8 +86,10 @@ std::unique_ptr<SourceBake> source_of(const CanonicalMesh& mesh, const Scan& sca
   const Bounds bounds = bounds_of(mesh.model.positions_cm);
   const double reach_cm = from.reach_cm > 0 ? from.reach_cm : kReachShare * diagonal_cm(bounds);
   check_place(from, bounds, surface->bounds(), reach_cm);
-  auto source =
-      std::make_unique<SourceBake>(make_source_bake(mesh.model, surface, static_cast<float>(reach_cm)));
+  auto source = std::make_unique<SourceBake>();
+  source->surface = surface;
+  source->frames = &frames;
+  source->outward_cm = source->inward_cm = static_cast<float>(reach_cm);
   source->wants_object_normals = from.wants_object_normals;
   if (from.cage) source->cage_offset = cage_offsets(mesh, scan, *from.cage);
   report.source = from.scan->file.filename().string();
@@ -115,7 +117,8 @@ BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const Materi
                           const BakeOptions& options, const std::filesystem::path& folder) {
   BakeReport report;
   const CanonicalMesh mesh = mesh_of(scan, regions, options, report);
-  const std::unique_ptr<SourceBake> source = source_of(mesh, scan, options, report);
+  const MeshFrames frames = frames_of(mesh.model);
+  const std::unique_ptr<SourceBake> source = source_of(mesh, frames, scan, options, report);
   const std::vector<std::string> folders = folders_of(mesh);
   report.sets.resize(folders.size());
   std::vector<TextureSetEntry> entries;
@@ -123,7 +126,7 @@ BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const Materi
   for (size_t i = 0; i < folders.size(); ++i) {
     SetReport& set_report = report.sets[i];
     set_report.folder = folders[i];
-    SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, source.get(), set_report);
+    SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, frames, source.get(), set_report);
     TextureSetEntry entry{mesh.model.sets[i].name, folders[i], set.width_px(), set.height_px(), {}};
     for (const MapKind& kind : kMapKinds) write_texture_map(folder, kind, set.take(kind.image), entry);
     const std::filesystem::path maps = folder / "maps" / folders[i];
@@ -144,12 +147,13 @@ Model bake(const Scan& scan, const Regions& regions, const MaterialTable& table,
   BakeReport own;
   BakeReport& out = report ? *report : own;
   CanonicalMesh mesh = mesh_of(scan, regions, options, out);
-  const std::unique_ptr<SourceBake> source = source_of(mesh, scan, options, out);
+  const MeshFrames frames = frames_of(mesh.model);
+  const std::unique_ptr<SourceBake> source = source_of(mesh, frames, scan, options, out);
   const std::vector<std::string> folders = folders_of(mesh);
   out.sets.resize(folders.size());
   for (size_t i = 0; i < folders.size(); ++i) {
     out.sets[i].folder = folders[i];
-    SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, source.get(), out.sets[i]);
+    SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, frames, source.get(), out.sets[i]);
     TextureSet& maps = mesh.model.sets[i];
     for (const MapKind& kind : kMapKinds) maps.*kind.image = set.take(kind.image);
     maps.valid = set.take(&TextureSet::valid);

@@ -45,6 +45,7 @@ struct BakeOptions {
   std::string name;                 // of the model
   bool quiet = true;                // no progress bar
   std::vector<GreenChannel> green;  // of each of the scan's materials; empty: all up
+  bool mends_seams = true;          // makes the two sides of each seam agree
   BakeSource source;                // its scan is null: the scan's own pictures
 };
 

@@ -11,6 +11,16 @@ double share(double part, double whole) {
   return whole > 0 ? part / whole : 0;
 }
 
+nlohmann::ordered_json json_of(const MapSeams& seams) {
+  nlohmann::ordered_json levels = nlohmann::ordered_json::array();
+  for (const SeamError& error : seams.levels)
+    levels.push_back({{"mean", error.mean},
+                      {"percentile_99", error.percentile_99},
+                      {"max", error.max},
+                      {"share_above_limit", error.share_above}});
+  return {{"unit", seams.unit}, {"most_changed_inside", seams.most_changed}, {"levels", levels}};
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const BakeReport& report) {
@@ -92,6 +102,8 @@ nlohmann::ordered_json to_json(const BakeReport& report) {
                             {"normal", set.normal},
                             {"normal_green", set.normal_green},
                             {"zero_length_normals", set.zero_length_normals}});
+    json["sets"].back()["seam_edges"] = set.seam_edges;
+    for (const MapSeams& seams : set.seams) json["sets"].back()["seams"][seams.map] = json_of(seams);
     if (!report.source.empty())
       json["sets"].back()["source"] = {{"hit_texels", set.hit_texels},
                                        {"nearest_texels", set.nearest_texels},

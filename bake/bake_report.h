@@ -7,7 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "bake/seams.h"
+
 namespace ohb {
+
+/// How far a map's two sides differ at the seams, as seams.h measures it.
+struct MapSeams {
+  std::string map, unit;  // "1/255" of sRGB or of the stored value, or "degrees"
+  std::vector<SeamError> levels;
+  double most_changed = 0;  // of a texel inside a triangle, to make them agree
+};
 
 /// One texture set. Areas are of the mesh, in square centimetres.
 struct SetReport {
@@ -27,6 +36,8 @@ struct SetReport {
   std::string diffuse, alpha, normal;  // file names of the pictures, "" without
   std::string normal_green;            // "up", "down" (turned over) or "unclear" (read as up); "" without
   uint64_t zero_length_normals = 0;
+  uint64_t seam_edges = 0;
+  std::vector<MapSeams> seams;
   // From a source: what the texels that show a face found, and how far away along their normals.
   uint64_t hit_texels = 0, nearest_texels = 0, missed_texels = 0, back_face_texels = 0;
   double mean_distance_cm = 0, max_distance_cm = 0;  // of the absolute distances

@@ -67,10 +67,10 @@ class Pass {
     for (int c = 0; c < 3; ++c) {
       const uint32_t p = from.position[c];
       triangle.position[c] = low.positions_cm[p];
-      triangle.normal[c] = bake_.normals[p];
-      triangle.offset[c] = bake_.cage_offset.empty() ? bake_.normals[p] : bake_.cage_offset[p];
-      triangle.tangent[c] = bake_.tangents[3 * size_t{index} + c].tangent;
-      triangle.sign[c] = bake_.tangents[3 * size_t{index} + c].sign;
+      triangle.normal[c] = bake_.frames->normals[p];
+      triangle.offset[c] = bake_.cage_offset.empty() ? bake_.frames->normals[p] : bake_.cage_offset[p];
+      triangle.tangent[c] = bake_.frames->tangents[3 * size_t{index} + c].tangent;
+      triangle.sign[c] = bake_.frames->tangents[3 * size_t{index} + c].sign;
     }
     triangle.face_normal = normalised(
         cross(triangle.position[1] - triangle.position[0], triangle.position[2] - triangle.position[0]));
@@ -147,15 +147,6 @@ Vec3f to_tangent_space(Vec3f direction, Vec3f tangent, Vec3f normal, float sign)
                     dot(direction, out) / volume};
   const float squared = dot(local, local);
   return squared > 0 && std::isfinite(squared) ? local / std::sqrt(squared) : Vec3f{0, 0, 1};
-}
-
-SourceBake make_source_bake(const Model& low, std::shared_ptr<const SourceSurface> surface, float reach_cm) {
-  SourceBake bake;
-  bake.surface = std::move(surface);
-  bake.outward_cm = bake.inward_cm = reach_cm;
-  bake.normals = smooth_normals(low);
-  bake.tangents = mikktspace_tangents(low, bake.normals);
-  return bake;
 }
 
 SourceMaps bake_from_source(const Model& low, const std::vector<uint32_t>& triangles,

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "bake/canonical_mesh.h"
+#include "bake/seams.h"
 #include "bake/source_rays.h"
 #include "bake/texel_coverage.h"
-#include "dataset/model/tangent_frame.h"
 
 namespace ohb {
 
@@ -16,13 +16,9 @@ struct SourceBake {
   std::shared_ptr<const SourceSurface> surface;
   float outward_cm = 0, inward_cm = 0;  // the reach
   std::vector<Vec3f> cage_offset;       // of each position of the low mesh; empty: along its smooth normal
-  std::vector<Vec3f> normals;           // smooth_normals of the low mesh
-  std::vector<CornerTangent> tangents;  // mikktspace_tangents of the low mesh
+  const MeshFrames* frames = nullptr;   // of the low mesh
   bool wants_object_normals = false;
 };
-
-/// Directions and limits of the rays: smooth normals and the reach both ways.
-SourceBake make_source_bake(const Model& low, std::shared_ptr<const SourceSurface> surface, float reach_cm);
 
 /// The maps of one set that come from the source; texels without a source point hold 0.
 struct SourceMaps {

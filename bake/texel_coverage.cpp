@@ -50,11 +50,12 @@ class BandPainter {
       if (distance == kOverlapCounted) return;
       if (distance == kOwned) {
         distance = kOverlapCounted;
-        coverage_.is_overlapping[&owner - coverage_.owner.data()] = 1;
+        coverage_.flags[&owner - coverage_.owner.data()] |= TexelCoverage::kOverlapping;
         ++overlapping_;
         return;
       }
       owner = index;
+      coverage_.flags[&owner - coverage_.owner.data()] = TexelCoverage::kCentre;
       distance = kOwned;
       ++centres_;
     });
@@ -183,7 +184,7 @@ TexelCoverage cover_texels(const std::vector<UvTriangle>& triangles, int width_p
   coverage.width_px = width_px;
   coverage.height_px = height_px;
   coverage.owner.assign(static_cast<size_t>(width_px) * height_px, TexelCoverage::kNone);
-  coverage.is_overlapping.assign(coverage.owner.size(), 0);
+  coverage.flags.assign(coverage.owner.size(), 0);
   std::vector<TexelTriangle> in_texels;
   in_texels.reserve(triangles.size());
   for (const UvTriangle& triangle : triangles)

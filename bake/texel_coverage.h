@@ -20,13 +20,14 @@ constexpr float kMaxUv = 1024;
 
 struct TexelCoverage {
   static constexpr uint32_t kNone = 0xffffffffu;
+  static constexpr uint8_t kCentre = 1, kOverlapping = 2;
 
   int width_px = 0, height_px = 0;
   std::vector<uint32_t> owner;      // row 0 at the top; index of the triangle shown, or kNone
   uint64_t centre_texels = 0;       // whose centre lies in their owner
   uint64_t footprint_texels = 0;    // only touched by bilinear lookups into their owner
   uint64_t overlapping_texels = 0;  // whose centre lies in two or more triangles (shared edges do not count)
-  std::vector<uint8_t> is_overlapping;            // one a texel: those overlapping texels
+  std::vector<uint8_t> flags;  // one a texel: kCentre where it lies in its owner, kOverlapping in others too
   std::vector<uint32_t> triangles_without_texel;  // in ascending order
   std::vector<uint32_t> hidden_triangles;  // those of them that hold a centre: other triangles lie over them
 

@@ -10,6 +10,7 @@
 
 #include "bake/padding.h"
 #include "bake/picture.h"
+#include "bake/seam_mend.h"
 #include "dataset/model/error.h"
 
 namespace ohb {
@@ -162,13 +163,15 @@ ClassMaterial mix_classes(const MaterialTable& table, const std::array<float, kC
 }
 
 SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, const MaterialTable& table,
-                 const BakeOptions& options, const SourceBake* source, SetReport& report)
+                 const BakeOptions& options, const MeshFrames& frames, const SourceBake* source,
+                 SetReport& report)
     : mesh_(mesh),
       table_(table),
       material_(scan.materials[mesh.material_of_set[set]]),
       green_(options.green.empty() ? GreenChannel::kUp : options.green[mesh.material_of_set[set]]),
       report_(report),
       triangles_(triangles_of(mesh.model, set)),
+      mends_seams_(options.mends_seams),
       from_source_(source != nullptr) {
   report.name = material_.name;
   report.diffuse = material_.diffuse.file.filename().string();
@@ -178,6 +181,11 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
   report_geometry(mesh.model, triangles_, coverage_, report);
   has_class_ = covered_texels(coverage_);
   has_value_ = has_class_;
+  is_inside_.resize(coverage_.flags.size());
+  for (size_t i = 0; i < is_inside_.size(); ++i) is_inside_[i] = coverage_.flags[i] & TexelCoverage::kCentre;
+  seams_ = find_seams(mesh.model, triangles_.index, &frames);
+  report.seam_edges = seams_.size();
+  if (!seams_.empty()) band_ = std::make_unique<SeamBand>(seams_, has_class_, width_px(), height_px());
   if (!source) return;
   reach_cm_ = std::max(source->outward_cm, source->inward_cm);
   check_overlaps(report, options.source);
@@ -287,24 +295,41 @@ Image SetBake::valid() const {
   return map;
 }
 
-Image SetBake::padded(Image image, const std::vector<uint8_t>& is_covered) const {
-  if (!image.values.empty()) pad(image, is_covered);
-  return image;
-}
-
-Image SetBake::padded_normals(Image image) const {
-  if (!image.values.empty()) pad_normals(image, has_value_);
+Image SetBake::finished(Image image, const char* map, const std::vector<uint8_t>& is_covered,
+                        MapValues values) const {
+  if (image.values.empty()) return image;
+  const bool is_normals = values == MapValues::kNormals;
+  const std::vector<uint8_t> covered = band_ ? band_->fill(image, is_covered, is_normals) : is_covered;
+  if (is_normals)
+    pad_normals(image, covered);
+  else
+    pad(image, covered);
+  if (!band_ || values == MapValues::kLength) return image;
+  MapSeams report;
+  report.map = map;
+  report.unit = is_normals ? "degrees" : "of 1";
+  // Both sides of a class map already agree at level 0: each is constant up to the seam, and the band goes
+  // on.
+  const bool is_mended = is_normals || values == MapValues::kLinearColour;
+  if (mends_seams_ && is_mended)
+    report.most_changed = mend_seams(image, seams_, is_inside_, values, is_normals ? 0.008f : 0.5f / 255);
+  report.levels = seam_errors(image, seams_, values);
+  report_.seams.push_back(std::move(report));
   return image;
 }
 
 Image SetBake::take(Image TextureSet::*map) {
-  if (map == &TextureSet::albedo) return padded(albedo(), has_value_);
-  if (map == &TextureSet::alpha) return padded(alpha(), has_value_);
-  if (map == &TextureSet::normal) return padded_normals(normal());
-  if (map == &TextureSet::roughness) return padded(class_map(&ClassMaterial::roughness), has_class_);
-  if (map == &TextureSet::specular) return padded(class_map(&ClassMaterial::specular), has_class_);
-  if (map == &TextureSet::sss) return padded(class_map(&ClassMaterial::sss), has_class_);
-  if (map == &TextureSet::displacement) return padded(displacement(), has_value_);
+  const MapValues plain = MapValues::kPlain;
+  if (map == &TextureSet::albedo) return finished(albedo(), "albedo", has_value_, MapValues::kLinearColour);
+  if (map == &TextureSet::alpha) return finished(alpha(), "alpha", has_value_, plain);
+  if (map == &TextureSet::normal) return finished(normal(), "normal", has_value_, MapValues::kNormals);
+  if (map == &TextureSet::roughness)
+    return finished(class_map(&ClassMaterial::roughness), "roughness", has_class_, plain);
+  if (map == &TextureSet::specular)
+    return finished(class_map(&ClassMaterial::specular), "specular", has_class_, plain);
+  if (map == &TextureSet::sss) return finished(class_map(&ClassMaterial::sss), "sss", has_class_, plain);
+  if (map == &TextureSet::displacement)
+    return finished(displacement(), "displacement", has_value_, MapValues::kLength);
   return valid();
 }
 
@@ -321,18 +346,20 @@ Image SetBake::debug() const {
       if (source_.results[i] == RayResult::kMissed) colour = {1, 0, 0};
       if (source_.results[i] == RayResult::kBackFace) colour = {1, 0, 1};
     }
-    if (coverage_.is_overlapping[i]) colour = {1, 1, 0};
+    if ((coverage_.flags[i] & TexelCoverage::kOverlapping)) colour = {1, 1, 0};
     for (int c = 0; c < 3; ++c) map.values[3 * i + c] = colour[c];
   });
   return map;
 }
 
 Image SetBake::take_height() {
-  return padded(std::move(source_.height), has_value_);
+  return finished(std::move(source_.height), "height", has_value_, MapValues::kLength);
 }
 
 Image SetBake::take_object_normal() {
-  return padded_normals(std::move(source_.object_normal));
+  Image normals = std::move(source_.object_normal);
+  if (!normals.values.empty()) pad_normals(normals, has_value_);
+  return normals;
 }
 
 }  // namespace ohb

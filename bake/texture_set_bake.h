@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bake/bake.h"
+#include "bake/seam_fill.h"
 #include "bake/source_bake.h"
 #include "bake/texel_coverage.h"
 
@@ -22,7 +23,7 @@ class SetBake {
   /// All arguments must outlive this. `source`: null for the scan's own pictures. Throws InputError for a
   /// picture that cannot be read, and where more texels than allowed miss the source.
   SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, const MaterialTable& table,
-          const BakeOptions& options, const SourceBake* source, SetReport& report);
+          const BakeOptions& options, const MeshFrames& frames, const SourceBake* source, SetReport& report);
 
   int width_px() const { return coverage_.width_px; }
   int height_px() const { return coverage_.height_px; }
@@ -41,8 +42,9 @@ class SetBake {
   Image class_map(float ClassMaterial::*value) const;
   Image displacement() const;
   Image valid() const;
-  Image padded(Image image, const std::vector<uint8_t>& is_covered) const;
-  Image padded_normals(Image image) const;
+  /// Fills the background of a map (band beside the seams, then the rest), mends its seams and reports them.
+  Image finished(Image image, const char* map, const std::vector<uint8_t>& is_covered,
+                 MapValues values) const;
   void report_source();
 
   const CanonicalMesh& mesh_;
@@ -53,8 +55,11 @@ class SetBake {
   SetTriangles triangles_;
   TexelCoverage coverage_;
   std::vector<uint8_t> has_class_,
-      has_value_;  // of each texel: a face; a face and, with a source, a point of it
-  bool from_source_;
+      has_value_;                   // of each texel: a face; a face and, with a source, a point of it
+  std::vector<uint8_t> is_inside_;  // of each texel: its centre lies in a triangle
+  std::vector<Seam> seams_;
+  std::unique_ptr<SeamBand> band_;  // null without seams
+  bool mends_seams_, from_source_;
   float reach_cm_ = 0;
   SourceMaps source_;
 };

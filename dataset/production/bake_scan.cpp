@@ -100,6 +100,7 @@ BakeReport bake_scan(const BakeJob& job) {
   options.unit_cm = resolve_unit_cm(scan, unit);
   options.name = job.name.empty() ? job.scan.stem().string() : job.name;
   options.quiet = job.quiet;
+  options.mends_seams = !job.keeps_seams;
   SourceFiles files;
   read_source(job, options.unit_cm, files, options.source);
   if (job.source.empty()) options.green = green_channels(scan, job.normals);

@@ -32,6 +32,7 @@ Vec3f pixel3(const Image& image, int x, int row) {
 struct Baked {
   TexelCoverage coverage;
   std::vector<UvTriangle> uvs;
+  std::unique_ptr<MeshFrames> frames;
   SourceBake bake;
   SourceMaps maps;
 };
@@ -46,7 +47,10 @@ Baked bake_maps(const Model& low, const Model& high, int size_px, float reach_cm
   baked.coverage = cover_texels(baked.uvs, size_px, size_px);
   const auto surface = std::make_shared<const SourceSurface>(scan_of_model(high, "high.obj"), 1,
                                                              Vec3f{0, 0, 0}, std::vector<GreenChannel>{});
-  baked.bake = make_source_bake(low, surface, reach_cm);
+  baked.frames = std::make_unique<MeshFrames>(frames_of(low));
+  baked.bake.surface = surface;
+  baked.bake.frames = baked.frames.get();
+  baked.bake.outward_cm = baked.bake.inward_cm = reach_cm;
   baked.bake.wants_object_normals = true;
   baked.maps = bake_from_source(low, index, baked.uvs, baked.coverage, baked.bake);
   return baked;
@@ -66,12 +70,12 @@ void for_each_texel(const Model& low, const Baked& baked, const Visit& visit) {
       if (owner == TexelCoverage::kNone) continue;
       const NearestPoint near =
           nearest_point_of_texel(to_texel_space(baked.uvs[owner], size, size), size, size, x, row);
-      LowPoint point{{}, {}, {}, baked.bake.tangents[3 * owner].sign};
+      LowPoint point{{}, {}, {}, baked.frames->tangents[3 * owner].sign};
       for (int c = 0; c < 3; ++c) {
         const float w = static_cast<float>(near.weights[c]);
         point.position += w * low.positions_cm[low.triangles[owner].position[c]];
-        point.normal += w * baked.bake.normals[low.triangles[owner].position[c]];
-        point.tangent += w * baked.bake.tangents[3 * owner + c].tangent;
+        point.normal += w * baked.frames->normals[low.triangles[owner].position[c]];
+        point.tangent += w * baked.frames->tangents[3 * owner + c].tangent;
       }
       visit(x, row, point);
     }

@@ -1,0 +1,34 @@
+// The background beside a chart's border holds what lies beyond it on the surface: the chart on the other
+// side of the seam, carried over.
+#pragma once
+
+#include <vector>
+
+#include "bake/seams.h"
+
+namespace ohb {
+
+/// How far from the border it reaches: bilinear lookups at mip level 4 reach 2 blocks of 16 texels.
+constexpr int kSeamBand_px = 32;
+
+/// For each texel of the background within kSeamBand_px of a seam, the side beside it. 4 bytes a texel.
+class SeamBand {
+ public:
+  /// Texels with is_face 0 belong to the nearest seam edge on whose outer side they lie. All arguments must
+  /// outlive this.
+  SeamBand(const std::vector<Seam>& seams, const std::vector<uint8_t>& is_face, int width_px, int height_px);
+
+  /// Fills the band of one map: the edge's turn, scale and mirroring carry each texel into the chart on the
+  /// other side (as Blender's "adjacent faces" margin), where covered texels are read bilinearly;
+  /// tangent-space normals go through the model's frame into that of the chart beside the texel. Gives what
+  /// is covered afterwards: texels whose other side is not wholly covered are left alone.
+  std::vector<uint8_t> fill(Image& map, const std::vector<uint8_t>& is_covered, bool is_normals) const;
+
+ private:
+  static constexpr uint32_t kNone = 0xffffffffu;
+  const std::vector<Seam>& seams_;
+  int width_px_, height_px_;
+  std::vector<uint32_t> side_;  // 2 x seam + side of each texel, or kNone
+};
+
+}  // namespace ohb

@@ -1,0 +1,193 @@
+// Seams: what is measured, what the background beside them holds, and that both sides agree in the end.
+#include "bake/seams.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "bake/padding.h"
+#include "bake/seam_fill.h"
+#include "bake/seam_mend.h"
+#include "bake/source_bake.h"
+#include "tests/bake/test_scans.h"
+
+namespace ohb {
+namespace {
+
+/// A bent sheet in two charts, the right one turned by `degrees`, smaller, and mirrored on demand.
+struct TwoCharts {
+  Model model;
+  std::vector<uint32_t> triangles;
+  std::vector<UvTriangle> uvs;
+  TexelCoverage coverage;
+  std::vector<uint8_t> is_covered, is_inside;
+  MeshFrames frames;
+  std::vector<Seam> seams;
+
+  TwoCharts(int size_px, float degrees, bool is_mirrored) {
+    model = height_field(8, 10, [](float x, float y) { return 0.05f * x * x + 0.03f * x * y; });
+    const float cosine = std::cos(degrees * 0.0174533f), sine = std::sin(degrees * 0.0174533f);
+    std::vector<Vec2f> uvs_of_right = model.uvs;
+    for (Vec2f& uv : uvs_of_right) {
+      Vec2f p{(uv.x - 0.75f) * 0.4f, (uv.y - 0.5f) * 0.4f};
+      if (is_mirrored) p.x = -p.x;
+      uv = {0.72f + cosine * p.x - sine * p.y, 0.5f + sine * p.x + cosine * p.y};
+    }
+    const uint32_t offset = static_cast<uint32_t>(model.uvs.size());
+    for (size_t i = 0; i < offset; ++i)
+      model.uvs[i] = {0.05f + 0.6f * model.uvs[i].x, 0.1f + 0.8f * model.uvs[i].y};
+    model.uvs.insert(model.uvs.end(), uvs_of_right.begin(), uvs_of_right.end());
+    for (ModelTriangle& triangle : model.triangles) {
+      float x = 0;
+      for (uint32_t p : triangle.position) x += model.positions_cm[p].x / 3;
+      if (x > 5)
+        for (uint32_t& uv : triangle.uv) uv += offset;
+      triangles.push_back(static_cast<uint32_t>(triangles.size()));
+      uvs.push_back({{model.uvs[triangle.uv[0]], model.uvs[triangle.uv[1]], model.uvs[triangle.uv[2]]}});
+    }
+    coverage = cover_texels(uvs, size_px, size_px);
+    for (size_t i = 0; i < coverage.owner.size(); ++i) {
+      is_covered.push_back(coverage.owner[i] != TexelCoverage::kNone);
+      is_inside.push_back(coverage.flags[i] & TexelCoverage::kCentre);
+    }
+    frames = frames_of(model);
+    seams = find_seams(model, triangles, &frames);
+  }
+
+  /// Values of a function of position at the covered texels.
+  template <typename Function>
+  Image map_of(const Function& function) const {
+    Image map(coverage.width_px, coverage.height_px, 3);
+    for (int row = 0; row < map.height_px; ++row)
+      for (int x = 0; x < map.width_px; ++x) {
+        const uint32_t owner = coverage.owner_of(x, row);
+        if (owner == TexelCoverage::kNone) continue;
+        // Beyond the triangle's border too: the texel's own place in the triangle's plane.
+        const TexelTriangle t = to_texel_space(uvs[owner], map.width_px, map.height_px);
+        const TexelPoint p{x + 0.5, map.height_px - row - 0.5},
+            a = t.corner[1] - t.corner[0], b = t.corner[2] - t.corner[0], q = p - t.corner[0];
+        const double area = a.x * b.y - a.y * b.x;
+        const float v = static_cast<float>((q.x * b.y - q.y * b.x) / area);
+        const float w = static_cast<float>((a.x * q.y - a.y * q.x) / area);
+        const float weights[3] = {1 - v - w, v, w};
+        Vec3f position, normal, tangent;
+        for (int c = 0; c < 3; ++c) {
+          position += weights[c] * model.positions_cm[model.triangles[owner].position[c]];
+          normal += weights[c] * frames.normals[model.triangles[owner].position[c]];
+          tangent += weights[c] * frames.tangents[3 * owner + c].tangent;
+        }
+        const Vec3f value = function(position, tangent, normal, frames.tangents[3 * owner].sign);
+        for (int c = 0; c < 3; ++c) map.pixel(x, row)[c] = value[c];
+      }
+    return map;
+  }
+
+  Image filled(Image map, bool is_normals) const {
+    const SeamBand band(seams, is_covered, map.width_px, map.height_px);
+    pad(map, band.fill(map, is_covered, is_normals));
+    return map;
+  }
+};
+
+Vec3f smooth_colour(Vec3f p, Vec3f, Vec3f, float) {
+  return {0.4f + 0.02f * p.x, 0.5f + 0.2f * std::sin(0.5f * p.y), 0.3f + 0.01f * p.x * p.y / 10};
+}
+
+/// One direction of the model everywhere, in each place's own frame.
+Vec3f steady_normal(Vec3f, Vec3f tangent, Vec3f normal, float sign) {
+  return to_tangent_space(normalised({0.3f, 0.2f, 1}), tangent, normal, sign);
+}
+
+TEST(Seams, AreTheEdgesWithTwoPlaces) {
+  const TwoCharts charts(64, 30, false);
+  EXPECT_EQ(charts.seams.size(), 8u);
+  for (const Seam& seam : charts.seams)
+    for (const SeamSide& side : seam.side) EXPECT_NE(side.uv[0].y, side.uv[1].y);
+  const Model whole = height_field(8, 10, [](float, float) { return 0.0f; });
+  std::vector<uint32_t> all(whole.triangles.size());
+  for (uint32_t t = 0; t < all.size(); ++t) all[t] = t;
+  EXPECT_TRUE(find_seams(whole, all, nullptr).empty());
+}
+
+TEST(Seams, ErrorIsWhatTheSidesDifferBy) {
+  const TwoCharts charts(64, 0, false);
+  // The left chart holds .5, the right .5 + 10/255, both far into the background.
+  Image map(64, 64, 1);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) *map.pixel(x, y) = x < 31 ? 0.5f : 0.5f + 10.0f / 255;
+  const std::vector<SeamError> errors = seam_errors(map, charts.seams, MapValues::kPlain);
+  ASSERT_EQ(errors.size(), size_t{kSeamLevels});
+  EXPECT_NEAR(errors[0].max * 255, 10, 1e-3);
+  EXPECT_NEAR(errors[0].mean * 255, 10, 1e-3);
+  EXPECT_EQ(errors[0].share_above, 1);
+  for (float& value : map.values) value = 0.7f;
+  for (const SeamError& error : seam_errors(map, charts.seams, MapValues::kPlain)) EXPECT_LT(error.max, 1e-6);
+}
+
+TEST(Seams, TheBandGoesOnOnTheSurface) {
+  for (bool is_mirrored : {false, true})
+    for (float degrees : {0.0f, 33.0f, 90.0f}) {
+      const TwoCharts charts(256, degrees, is_mirrored);
+      const Image colour = charts.filled(charts.map_of(smooth_colour), false);
+      const Image normal = charts.filled(charts.map_of(steady_normal), true);
+      const auto colours = seam_errors(colour, charts.seams, MapValues::kLinearColour);
+      const auto normals = seam_errors(normal, charts.seams, MapValues::kNormals);
+      Image plain_colour = charts.map_of(smooth_colour), plain_normal = charts.map_of(steady_normal);
+      pad(plain_colour, charts.is_covered);
+      pad_normals(plain_normal, charts.is_covered);
+      const auto plain_colours = seam_errors(plain_colour, charts.seams, MapValues::kLinearColour);
+      const auto plain_normals = seam_errors(plain_normal, charts.seams, MapValues::kNormals);
+      // Means, since at the ends of the seam the blocks of coarse levels reach past the open border.
+      for (int level = 0; level < kSeamLevels; ++level) {
+        EXPECT_LT(colours[level].mean * 255, level < 4 ? 1 : 2.5) << degrees << is_mirrored << level;
+        EXPECT_LT(normals[level].mean, 1) << degrees << is_mirrored << level;
+      }
+      // Pull-push alone does not know the other chart.
+      EXPECT_GT(plain_colours[3].mean, 2 * colours[3].mean);
+      EXPECT_GT(plain_normals[3].mean, 2 * normals[3].mean);
+    }
+}
+
+TEST(Seams, MendingMakesNoisyChartsAgree) {
+  const TwoCharts charts(256, 33, true);
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> any(-0.05f, 0.05f);
+  Image colour = charts.filled(charts.map_of([&](Vec3f p, Vec3f t, Vec3f n, float s) {
+    return smooth_colour(p, t, n, s) + Vec3f{any(random), any(random), any(random)};
+  }),
+                               false);
+  const Image before = colour;
+  EXPECT_GT(seam_errors(colour, charts.seams, MapValues::kLinearColour)[0].max * 255, 8);
+  const float changed =
+      mend_seams(colour, charts.seams, charts.is_inside, MapValues::kLinearColour, 0.3f / 255);
+  const auto after = seam_errors(colour, charts.seams, MapValues::kLinearColour);
+  EXPECT_LT(after[0].max * 255, 1);
+  EXPECT_LT(after[1].max * 255, 1);
+  float most = 0;
+  for (size_t i = 0; i < colour.values.size(); ++i)
+    if (charts.is_inside[i / 3]) most = std::max(most, std::fabs(colour.values[i] - before.values[i]));
+  EXPECT_EQ(most, changed);
+  EXPECT_LT(changed, 0.1f);  // no more than the noise
+
+  Image normal = charts.filled(charts.map_of([&](Vec3f p, Vec3f t, Vec3f n, float s) {
+    return normalised(steady_normal(p, t, n, s) + Vec3f{any(random), any(random), 0});
+  }),
+                               true);
+  EXPECT_GT(seam_errors(normal, charts.seams, MapValues::kNormals)[0].max, 2);
+  mend_seams(normal, charts.seams, charts.is_inside, MapValues::kNormals, 0.004f);
+  EXPECT_LT(seam_errors(normal, charts.seams, MapValues::kNormals)[0].max, 1);
+  EXPECT_LT(seam_errors(normal, charts.seams, MapValues::kNormals)[1].max, 1);
+}
+
+TEST(Seams, MendingLeavesWhatAgreesAlone) {
+  const TwoCharts charts(128, 20, false);
+  Image map(128, 128, 3);
+  for (float& value : map.values) value = 0.25f;
+  const Image before = map;
+  EXPECT_EQ(mend_seams(map, charts.seams, charts.is_inside, MapValues::kPlain, 1e-4f), 0);
+  EXPECT_EQ(map.values, before.values);
+}
+
+}  // namespace
+}  // namespace ohb
