@@ -169,6 +169,8 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
       table_(table),
       material_(scan.materials[mesh.material_of_set[set]]),
       green_(options.green.empty() ? GreenChannel::kUp : options.green[mesh.material_of_set[set]]),
+      class_weights_(options.class_weights.empty() ? std::filesystem::path()
+                                                   : options.class_weights[mesh.material_of_set[set]]),
       report_(report),
       triangles_(triangles_of(mesh.model, set)),
       mends_seams_(options.mends_seams),
@@ -252,19 +254,52 @@ Image SetBake::normal() {
   return normal;
 }
 
+/// The shares of the classes at each texel, 4 channels; empty: borders are hard.
+Image SetBake::class_shares() const {
+  if (class_weights_.empty()) return {};
+  const std::vector<ExrPart> parts = read_exr(class_weights_);
+  const ExrPart& part = find_part(parts, "weights", class_weights_);
+  Image shares(part.image.width_px, part.image.height_px, kClassCount);
+  for (int c = 0; c < kClassCount; ++c) {  // files sort channels by name
+    const auto channel = std::find(part.channels.begin(), part.channels.end(), kClassNames[c]);
+    if (channel == part.channels.end())
+      throw InputError(class_weights_.string(), "", std::string("has no channel '") + kClassNames[c] + "'",
+                       "run `label` again");
+    for (size_t i = 0; i < shares.values.size() / kClassCount; ++i)
+      shares.values[kClassCount * i + static_cast<size_t>(c)] =
+          part.image.values[part.channels.size() * i + static_cast<size_t>(channel - part.channels.begin())];
+  }
+  ResampleWeights known;  // texels of faces
+  known.pixel_weights = Image(shares.width_px, shares.height_px, 1);
+  for (size_t i = 0; i < known.pixel_weights.values.size(); ++i)
+    known.pixel_weights.values[i] = shares.values[kClassCount * i] + shares.values[kClassCount * i + 1] +
+                                    shares.values[kClassCount * i + 2] + shares.values[kClassCount * i + 3];
+  return resample(std::move(shares), width_px(), height_px(), known);
+}
+
 Image SetBake::class_map(float ClassMaterial::*value) const {
+  constexpr float kLeastSum = 0.5f;  // less: no face was there when the shares were made
   std::array<float, kClassCount> pure;
   for (int c = 0; c < kClassCount; ++c) {
     std::array<float, kClassCount> shares{};
     shares[c] = 1;
     pure[c] = mix_classes(table_, shares).*value;
   }
+  const Image shares = class_shares();
   Image map(width_px(), height_px(), 1);
   tbb::parallel_for(0, height_px(), [&](int y) {
     for (int x = 0; x < width_px(); ++x) {
       const uint32_t owner = coverage_.owner_of(x, y);
-      if (owner != TexelCoverage::kNone)
-        *map.pixel(x, y) = pure[mesh_.model.triangles[triangles_.index[owner]].material_class];
+      if (owner == TexelCoverage::kNone) continue;
+      float& out = *map.pixel(x, y);
+      out = pure[mesh_.model.triangles[triangles_.index[owner]].material_class];
+      if (shares.values.empty()) continue;
+      std::array<float, kClassCount> here;
+      std::copy_n(shares.pixel(x, y), kClassCount, here.begin());
+      const float sum = here[0] + here[1] + here[2] + here[3];
+      if (sum < kLeastSum) continue;
+      for (float& share : here) share /= sum;
+      out = mix_classes(table_, here).*value;
     }
   });
   return map;

@@ -39,6 +39,7 @@ class SetBake {
   Image albedo();
   Image alpha() const;
   Image normal();
+  Image class_shares() const;
   Image class_map(float ClassMaterial::*value) const;
   Image displacement() const;
   Image valid() const;
@@ -51,6 +52,7 @@ class SetBake {
   const MaterialTable& table_;
   const ScanMaterial& material_;
   GreenChannel green_;
+  std::filesystem::path class_weights_;  // empty: hard borders
   SetReport& report_;
   SetTriangles triangles_;
   TexelCoverage coverage_;

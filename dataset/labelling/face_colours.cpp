@@ -116,6 +116,7 @@ MaterialTriangles material_triangles(const Scan& scan, const std::vector<ScanTri
       continue;
     }
     of.face.push_back(triangle.face);
+    of.corners.push_back({triangle.corner[0], triangle.corner[1], triangle.corner[2]});
     of.uvs.push_back(uvs);
   }
   return of;

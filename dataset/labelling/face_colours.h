@@ -1,6 +1,7 @@
 // The diffuse colour of faces, from their texels.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "bake/texel_coverage.h"
@@ -12,6 +13,7 @@ namespace ohb {
 /// The triangles of one material that have usable UVs, with their faces.
 struct MaterialTriangles {
   std::vector<uint32_t> face;
+  std::vector<std::array<uint32_t, 3>> corners;  // into Scan::corners
   std::vector<UvTriangle> uvs;
   size_t unusable = 0;  // missing or out of range
 };

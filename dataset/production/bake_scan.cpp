@@ -4,11 +4,13 @@
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
 #include "dataset/model/mesh_topology.h"
+#include "dataset/model/model_files.h"
 #include "dataset/model/scan_unit.h"
 #include "dataset/production/normal_convention.h"
 #include "dataset/production/uv_layout.h"
 
 namespace ohb {
+namespace fs = std::filesystem;
 namespace {
 
 Regions regions_of_scan(const BakeJob& job) {
@@ -86,6 +88,18 @@ void read_source(const BakeJob& job, double scan_unit_cm, SourceFiles& files, Ba
   source.cage = &files.cage;
 }
 
+/// weights.exr of each material, where `label` wrote one.
+std::vector<fs::path> class_weights(const Scan& scan, const fs::path& regions) {
+  std::vector<std::string> names;
+  for (const ScanMaterial& material : scan.materials) names.push_back(material.name);
+  std::vector<fs::path> files;
+  for (const std::string& folder : texture_set_folders(names)) {
+    files.push_back(regions / "maps" / folder / "weights.exr");
+    if (!fs::is_regular_file(files.back())) files.back().clear();
+  }
+  return files;
+}
+
 }  // namespace
 
 BakeReport bake_scan(const BakeJob& job) {
@@ -101,6 +115,7 @@ BakeReport bake_scan(const BakeJob& job) {
   options.name = job.name.empty() ? job.scan.stem().string() : job.name;
   options.quiet = job.quiet;
   options.mends_seams = !job.keeps_seams;
+  options.class_weights = class_weights(scan, job.regions);
   SourceFiles files;
   read_source(job, options.unit_cm, files, options.source);
   if (job.source.empty()) options.green = green_channels(scan, job.normals);

@@ -207,7 +207,13 @@ LabelReport label_scan(const LabelJob& job) {
     report.truth = compare_with_truth(regions.face_class, classes_of_file(job.truth, scan, job), areas);
   write_regions(folder.path(), regions);
   if (!job.strokes.empty()) write_file_atomically(folder.path() / "strokes.xml", read_file(job.strokes));
-  for (const std::string& name : write_class_maps(folder.path(), scan, regions.face_class, labels.confidence))
+  std::optional<SoftBorders> borders;
+  if (report.unit_cm)
+    borders.emplace(scan, *report.unit_cm, labels.face_class);
+  else
+    report.warnings.push_back("the unit is not known: borders are hard; give --unit");
+  const FaceLabels shown{labels.face_class, labels.confidence, borders ? &*borders : nullptr};
+  for (const std::string& name : write_class_maps(folder.path(), scan, shown))
     report.warnings.push_back("material '" + name + "' has faces without usable UVs: no class map for it");
   write_file_atomically(folder.path() / "report.json", to_json(report).dump(2) + "\n");
   write_file_atomically(folder.path() / "report.txt", to_text(report));

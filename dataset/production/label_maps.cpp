@@ -1,5 +1,7 @@
 #include "dataset/production/label_maps.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -36,6 +38,31 @@ Image preview_of(const Image& classes) {
   return preview;
 }
 
+void write_weights(const std::filesystem::path& file, const Scan& scan, const MaterialTriangles& of,
+                   const TexelCoverage& coverage, const SoftBorders& borders) {
+  const int width = coverage.width_px, height = coverage.height_px;
+  Image weights(width, height, kClassCount);
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      const uint32_t owner = coverage.owner_of(x, y);
+      if (owner == TexelCoverage::kNone) continue;
+      Vec3f point;
+      if (borders.is_near(of.face[owner])) {
+        const TexelTriangle in_texels = to_texel_space(of.uvs[owner], width, height);
+        const NearestPoint nearest = nearest_point_of_texel(in_texels, width, height, x, y);
+        for (int c = 0; c < 3; ++c)
+          point += static_cast<float>(nearest.weights[c]) *
+                   scan.positions[scan.corners[of.corners[owner][static_cast<size_t>(c)]].position];
+      }
+      const ClassValues shares = borders.shares_at(of.face[owner], point);
+      std::copy(shares.begin(), shares.end(), weights.pixel(x, y));
+    }
+  });
+  write_exr(file,
+            {{"weights", {kClassNames.begin(), kClassNames.end()}, ExrPart::Type::kHalf, std::move(weights)}},
+            {});
+}
+
 }  // namespace
 
 Vec3f class_colour(uint8_t material_class) {
@@ -45,8 +72,7 @@ Vec3f class_colour(uint8_t material_class) {
 }
 
 std::vector<std::string> write_class_maps(const std::filesystem::path& folder, const Scan& scan,
-                                          const std::vector<uint8_t>& face_class,
-                                          const std::vector<float>& confidence) {
+                                          const FaceLabels& labels) {
   std::vector<std::string> names, without_map;
   for (const ScanMaterial& material : scan.materials) names.push_back(material.name);
   const std::vector<std::string> folders = texture_set_folders(names);
@@ -57,22 +83,22 @@ std::vector<std::string> write_class_maps(const std::filesystem::path& folder, c
     if (of.unusable > 0 || of.face.empty()) continue;
     const auto [width, height] = map_size(scan.materials[m]);
     const TexelCoverage coverage = cover_texels(of.uvs, width, height);
-    Image classes(width, height, 1);
-    for (size_t i = 0; i < coverage.owner.size(); ++i) {
-      const uint32_t owner = coverage.owner[i];
-      const uint8_t index = owner == TexelCoverage::kNone ? uint8_t{kUnlabelled} : face_class[of.face[owner]];
-      classes.values[i] = static_cast<float>(index) / 255;
-    }
     const std::filesystem::path maps = folder / "maps" / folders[m];
     make_folders(maps);
+    const auto of_faces = [&](float background, const auto& value_of) {
+      Image image(coverage.width_px, coverage.height_px, 1);
+      for (size_t i = 0; i < coverage.owner.size(); ++i)
+        image.values[i] =
+            coverage.owner[i] == TexelCoverage::kNone ? background : value_of(of.face[coverage.owner[i]]);
+      return image;
+    };
+    const Image classes =
+        of_faces(1, [&](uint32_t face) { return static_cast<float>(labels.face_class[face]) / 255; });
     write_png(maps / "classes.png", classes);
     write_png(maps / "classes_preview.png", preview_of(classes));
-    if (confidence.empty()) continue;
-    Image sure(width, height, 1);
-    for (size_t i = 0; i < coverage.owner.size(); ++i)
-      sure.values[i] =
-          coverage.owner[i] == TexelCoverage::kNone ? 1.0f : confidence[of.face[coverage.owner[i]]];
-    write_png(maps / "confidence.png", sure);
+    if (labels.borders) write_weights(maps / "weights.exr", scan, of, coverage, *labels.borders);
+    if (!labels.confidence.empty())
+      write_png(maps / "confidence.png", of_faces(1, [&](uint32_t face) { return labels.confidence[face]; }));
   }
   return without_map;
 }

@@ -1,0 +1,45 @@
+// Soft borders: the shares of the classes near where two classes meet, as wide as the two blend into each
+// other on people.
+#pragma once
+
+#include <vector>
+
+#include "dataset/labelling/alpha_expansion.h"
+#include "dataset/model/mesh_topology.h"
+#include "dataset/model/scan.h"
+
+namespace ohb {
+
+/// Width in cm of the border of each pair of classes, from where one is alone to where the other is: hair
+/// thins out over 8 mm of skin and lies 3 mm over clothes; a hem is 0.8 mm.
+constexpr std::array<std::array<float, kClassCount>, kClassCount> kBorderWidth_cm = {
+    {{0, 0.8f, 0.08f, 0.08f}, {0.8f, 0, 0.3f, 0.3f}, {0.08f, 0.3f, 0, 0.08f}, {0.08f, 0.3f, 0.08f, 0}}};
+
+class SoftBorders {
+ public:
+  /// `unit_cm`: cm a unit of the scan. Borders are the edges that faces of two classes share on the welded
+  /// mesh; where parts only touch, borders stay hard.
+  SoftBorders(const Scan& scan, double unit_cm, const std::vector<uint8_t>& face_class);
+
+  /// Whether a border is so near that some point of the face is a mixture.
+  bool is_near(uint32_t face) const { return first_[face] < first_[face + 1]; }
+
+  /// The shares of the classes at a point of a face, in the scan's unit. From 1/2 and 1/2 on a border of two,
+  /// linear in the distance to it (that of the nearest piece of border that the surface connects within half
+  /// the width, so across a fold nothing blends); sums to 1. Where several borders meet their odds add up.
+  /// All 0 on a face without a class.
+  ClassValues shares_at(uint32_t face, Vec3f point) const;
+
+ private:
+  struct Piece {
+    Vec3f a, b;  // cm
+    uint8_t other;
+  };
+
+  float unit_cm_;
+  std::vector<uint8_t> face_class_;
+  std::vector<uint32_t> first_;  // pieces of face f: [first_[f], first_[f + 1])
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace ohb
