@@ -1,8 +1,7 @@
 #include "renderer/error_regions.h"
 
-#include <tbb/parallel_for.h>
-
 #include "dataset/model/regions.h"
+#include "renderer/parallel.h"
 
 namespace ohb {
 namespace {
@@ -26,7 +25,7 @@ uint8_t class_at(const Picture& picture, int x, int y) {
 ErrorRegions error_regions(const Picture& picture) {
   const int size = picture.settings.size_px;
   std::vector<uint8_t> classes(picture.seen.size(), kNothing);
-  tbb::parallel_for(picture.box.y0, picture.box.y1, [&](int y) {
+  parallel_for_each(picture.box.y0, picture.box.y1, [&](int y) {
     for (int x = picture.box.x0; x < picture.box.x1; ++x)
       classes[static_cast<size_t>(y) * size + x] = class_at(picture, x, y);
   });

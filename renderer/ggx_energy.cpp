@@ -1,7 +1,6 @@
 #include "renderer/ggx_energy.h"
 
-#include <tbb/parallel_for.h>
-
+#include "renderer/parallel.h"
 #include "renderer/sampling.h"
 
 namespace ohb {
@@ -73,7 +72,7 @@ double at(int i, int count) {
 
 GgxEnergy::GgxEnergy()
     : albedo_(kFine * kFine), mean_albedo_(kFine), fresnel_share_(kCoarse * kCoarse * kCoarse) {
-  tbb::parallel_for(0, kFine, [&](int x) {
+  parallel_for_each(0, kFine, [&](int x) {
     const double roughness = at(x, kFine);
     for (int y = 0; y < kFine; ++y)
       albedo_[y * kFine + x] = static_cast<float>(albedo_of(roughness, at(y, kFine)));
@@ -85,7 +84,7 @@ GgxEnergy::GgxEnergy()
     }
     mean_albedo_[x] = static_cast<float>(sum / kCosines);
   });
-  tbb::parallel_for(0, kCoarse * kCoarse, [&](int cell) {
+  parallel_for_each(0, kCoarse * kCoarse, [&](int cell) {
     // z = 0 is an index of 1: no reflection, which is what is there already.
     double sums[kCoarse] = {}, eta[kCoarse], f0[kCoarse];
     for (int z = 1; z < kCoarse; ++z) {

@@ -16,9 +16,14 @@ struct Ray {
 /// Rays of one tile.
 struct RayCounts {
   uint64_t closest_hit = 0, shadow = 0;
-  uint64_t walks = 0, walk_segments = 0;
+  uint64_t walks = 0, walk_segments = 0, walk_leaks = 0;
   std::vector<RecordedRay>* record = nullptr;
 };
+
+inline bool is_within(const Bounds& bounds, Vec3f p) {
+  return p.x >= bounds.low.x && p.y >= bounds.low.y && p.z >= bounds.low.z && p.x <= bounds.high.x &&
+         p.y <= bounds.high.y && p.z <= bounds.high.z;
+}
 
 inline void record_ray(RayCounts& counts, const Ray& ray, float t_near, float t_far, bool is_shadow,
                        bool is_cutout) {

@@ -1,8 +1,8 @@
 // Material maps of a view: what the camera sees of the model's maps, averaged over what covers each pixel.
-#include <tbb/parallel_for.h>
 
 #include "dataset/model/regions.h"
 #include "renderer/footprint.h"
+#include "renderer/parallel.h"
 
 namespace ohb {
 namespace {
@@ -72,7 +72,7 @@ Sample render_maps(const Scene& scene, const Camera& camera, double turn_rad, co
   sample.classes = Image(n, n, kClassCount);
   const ViewCamera view(camera, turn_rad, n);
   const std::vector<uint8_t> seen = footprint(scene, view, n);
-  tbb::parallel_for(0, n, [&](int y) {
+  parallel_for_each(0, n, [&](int y) {
     for (int x = 0; x < n; ++x) {
       if (!seen[static_cast<size_t>(y) * n + x]) continue;
       PixelSums sums;

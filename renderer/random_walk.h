@@ -184,9 +184,10 @@ bool walk_under_surface(const Scene& scene, const SurfacePoint& entry, uint32_t 
       exit.weight = walk.weight();
       return is_finite(exit.weight);
     }
-    if (walk.is_over()) return false;
     ray.origin += t * ray.direction;
+    if (walk.is_over()) break;
   }
+  counts.walk_leaks += !is_within(scene.bounds, ray.origin);
   return false;
 }
 

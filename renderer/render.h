@@ -64,7 +64,9 @@ struct RenderStatistics {
   uint64_t shadow_rays = 0;
   uint64_t walks = 0;          // under the surface
   uint64_t walk_segments = 0;  // their rays
-  uint64_t nonfinite = 0;      // contributions that were NaN or infinite and left out
+  uint64_t walk_leaks =
+      0;  // that ended outside the model's bounding box: it is open, or a ray slipped through
+  uint64_t nonfinite = 0;  // contributions that were NaN or infinite and left out
   double seconds = 0;
   std::vector<RecordedRay>* record = nullptr;  // if set, receives every query, tile by tile
 };

@@ -1,14 +1,13 @@
 #include "renderer/rounds.h"
 
 #include <pmmintrin.h>
-#include <tbb/blocked_range2d.h>
-#include <tbb/parallel_for.h>
 #include <xmmintrin.h>
 
 #include <atomic>
 #include <mutex>
 
 #include "renderer/footprint.h"
+#include "renderer/parallel.h"
 
 namespace ohb {
 namespace {
@@ -93,35 +92,35 @@ std::vector<SampleLight> render_round(const Picture& picture, const PathRange& p
                                       RenderStatistics& statistics, const PixelsDone& done) {
   std::vector<SampleLight> images = black_images(picture.context.lights, picture.settings.size_px);
   std::mutex record_mutex;
-  std::atomic<uint64_t> path_count{0}, closest_hit{0}, shadow{0}, walks{0}, walk_segments{0}, nonfinite{0};
+  std::atomic<uint64_t> path_count{0}, closest_hit{0}, shadow{0}, walks{0}, walk_segments{0}, leaks{0},
+      nonfinite{0};
   const PixelBox& box = picture.box;
-  tbb::parallel_for(
-      tbb::blocked_range2d<int>(box.y0, box.y1, kTile_px, box.x0, box.x1, kTile_px),
-      [&](const tbb::blocked_range2d<int>& range) {
-        // Embree is slow on denormals; no radiance that small is visible.
-        _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-        _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
-        std::vector<RecordedRay> recorded;
-        std::vector<RecordedRay>* record = statistics.record ? &recorded : nullptr;
-        const TileResult tile = render_tile(picture, paths, range, images, record);
-        if (record) {
-          const std::lock_guard<std::mutex> lock(record_mutex);
-          statistics.record->insert(statistics.record->end(), recorded.begin(), recorded.end());
-        }
-        path_count += tile.paths;
-        closest_hit += tile.rays.closest_hit;
-        shadow += tile.rays.shadow;
-        walks += tile.rays.walks;
-        walk_segments += tile.rays.walk_segments;
-        nonfinite += tile.nonfinite;
-        if (done) done(range.rows().size() * range.cols().size());
-      },
-      tbb::simple_partitioner());
+  parallel_tiles(box.y0, box.y1, box.x0, box.x1, kTile_px, [&](const tbb::blocked_range2d<int>& range) {
+    // Embree is slow on denormals; no radiance that small is visible.
+    _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
+    _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
+    std::vector<RecordedRay> recorded;
+    std::vector<RecordedRay>* record = statistics.record ? &recorded : nullptr;
+    const TileResult tile = render_tile(picture, paths, range, images, record);
+    if (record) {
+      const std::lock_guard<std::mutex> lock(record_mutex);
+      statistics.record->insert(statistics.record->end(), recorded.begin(), recorded.end());
+    }
+    path_count += tile.paths;
+    closest_hit += tile.rays.closest_hit;
+    shadow += tile.rays.shadow;
+    walks += tile.rays.walks;
+    walk_segments += tile.rays.walk_segments;
+    leaks += tile.rays.walk_leaks;
+    nonfinite += tile.nonfinite;
+    if (done) done(range.rows().size() * range.cols().size());
+  });
   statistics.paths += path_count;
   statistics.closest_hit_rays += closest_hit;
   statistics.shadow_rays += shadow;
   statistics.walks += walks;
   statistics.walk_segments += walk_segments;
+  statistics.walk_leaks += leaks;
   statistics.nonfinite += nonfinite;
   return images;
 }

@@ -48,7 +48,7 @@ TriangleAttributes attributes_of(const ModelTriangle& triangle, const Model& mod
 
 }  // namespace
 
-Scene::Scene(const Model& model) : positions(model.positions_cm) {
+Scene::Scene(const Model& model) : positions(model.positions_cm), bounds(bounds_of(model.positions_cm)) {
   float largest = 0;
   for (const Vec3f& p : positions)
     largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});

@@ -44,6 +44,7 @@ class Scene {
   std::vector<TriangleAttributes> attributes;
   std::vector<TriangleTangents> tangents;  // empty if no set has a normal map
   std::vector<Texels> sets;
+  Bounds bounds;                                // of all positions
   uint32_t opaque_count = 0;                    // triangles [0, opaque_count) are opaque
   float self_hit_offset_cm = 0;                 // how far a ray starts from the surface that it leaves
   RTCScene opaque = nullptr, cutout = nullptr;  // null if they have no triangle

@@ -4,8 +4,10 @@
 
 #include "dataset/cli/commands.h"
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
 #include "renderer/validation/speed_accuracy.h"
+#include "renderer/validation/stress.h"
 
 namespace ohb {
 namespace fs = std::filesystem;
@@ -54,11 +56,88 @@ int run_chart(const Options& options, const CommonOptions& common) {
   return 0;
 }
 
+struct StressOptions {
+  std::string catalogue, output;
+  StressSettings settings;
+  bool without_cycles = false, without_heavy = false;
+};
+
+void print_stress(const std::vector<StressCaseResult>& results, const fs::path& output) {
+  for (const StressCaseResult& c : results) {
+    std::printf("%-24s %s\n", c.stress.name.c_str(),
+                c.passes() ? "within its limits" : "NOT WITHIN ITS LIMITS");
+    for (const StressResult& r : c.results)
+      for (const std::string& failure : r.failures)
+        std::printf("    %s %g: %s\n", c.stress.parameter.c_str(), r.point.at, failure.c_str());
+  }
+  std::printf("%s\n", (output / "chart.svg").c_str());
+}
+
+int run_stress_chart(const StressOptions& options, const CommonOptions& common) {
+  StressSettings settings = options.settings;
+  settings.threads = common.threads;
+  settings.seed = common.seed;
+  settings.with_cycles = !options.without_cycles;
+  settings.with_heavy = !options.without_heavy;
+  const fs::path file =
+      options.catalogue.empty() ? program_file("tests/stress/catalogue.json") : fs::path(options.catalogue);
+  const std::vector<StressCase> catalogue = read_stress_catalogue(file);
+  AtomicFolder folder(options.output);
+  const fs::path scratch = folder.path() / "scenes";
+  const std::vector<StressCaseResult> results = run_stress(catalogue, settings, scratch);
+  fs::remove_all(scratch);
+  write_file_atomically(folder.path() / "chart.csv", stress_csv(results));
+  write_file_atomically(folder.path() / "chart.json", stress_json(results));
+  draw_stress(results, folder.path());
+  folder.commit();
+  if (common.json)
+    std::printf("%s", stress_json(results).c_str());
+  else
+    print_stress(results, options.output);
+  for (const StressCaseResult& c : results)
+    if (!c.passes()) return kExitDifference;
+  return 0;
+}
+
+void add_stress_chart(CLI::App& chart, Commands& commands) {
+  CLI::App* command =
+      chart.add_subcommand("stress", "Hard cases, from harmless to impossible: ours beside Cycles");
+  auto options = std::make_shared<StressOptions>();
+  StressSettings& settings = options->settings;
+  command->add_option("--catalogue", options->catalogue,
+                      "cases and their limits (default: tests/stress/catalogue.json)");
+  command->add_option("--case", settings.only, "this case alone, by its name");
+  command->add_flag("--no-cycles", options->without_cycles, "ours alone; needs no Blender");
+  command->add_flag("--no-heavy", options->without_heavy, "leaves out what takes gigabytes");
+  command->add_option("--blender", settings.blender, "Blender 3.4 (default: blender in PATH)");
+  command->add_option("--size", settings.size_px, "width and height in pixels")
+      ->check(CLI::Range(8, 1024))
+      ->capture_default_str();
+  command->add_option("--spp", settings.spp, "paths a pixel")
+      ->check(CLI::Range(1, 8192))
+      ->capture_default_str();
+  command->add_option("--seeds", settings.seeds, "images of each kind, whose spread is the noise")
+      ->check(CLI::Range(2, 256))
+      ->capture_default_str();
+  command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
+      ->required();
+  add_common_options(*command, commands.common);
+  command->footer(
+      "Examples:\n"
+      "  openhumanbrdf chart stress -o stress\n"
+      "  openhumanbrdf chart stress --case roughness --no-cycles -o stress\n"
+      "Exit code 1: a case is not within the limits that the catalogue states.");
+  command->callback([options, &commands] {
+    commands.run = [options, &commands] { return run_stress_chart(*options, commands.common); };
+  });
+}
+
 }  // namespace
 
 void add_chart_command(CLI::App& app, Commands& commands) {
-  CLI::App* chart = app.add_subcommand("chart", "Charts of error against time");
+  CLI::App* chart = app.add_subcommand("chart", "Charts of error against time, and of hard cases");
   chart->require_subcommand(1);
+  add_stress_chart(*chart, commands);
   CLI::App* command = chart->add_subcommand("speed-accuracy", "Ours beside Cycles on one view of a model");
   auto options = std::make_shared<Options>();
   SpeedAccuracySettings& settings = options->settings;

@@ -201,6 +201,7 @@ void write_render_json(const RenderJob& job, const RenderReport& report) {
                              {"shadow_rays", view.statistics.shadow_rays},
                              {"walks", view.statistics.walks},
                              {"walk_segments", view.statistics.walk_segments},
+                             {"walk_leaks", view.statistics.walk_leaks},
                              {"nonfinite_left_out", view.statistics.nonfinite}});
     if (job.goal && !view.was_there) json["views"].back()["error"] = error_json(*job.goal, view.error);
   }

@@ -4,9 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "dataset/model/atomic_file.h"
-#include "dataset/model/error.h"
-#include "dataset/model/process.h"
+#include "renderer/validation/gnuplot.h"
 #include "renderer/validation/speed_accuracy.h"
 
 namespace ohb {
@@ -18,12 +16,6 @@ std::vector<std::string> series_of(const SpeedAccuracy& chart) {
   for (const SpeedAccuracyPoint& p : chart.points)
     if (std::find(names.begin(), names.end(), p.series) == names.end()) names.push_back(p.series);
   return names;
-}
-
-/// A string literal of gnuplot: nothing in it is special but the quote.
-std::string quoted(std::string text) {
-  text.erase(std::remove(text.begin(), text.end(), '\''), text.end());
-  return "'" + text + "'";
 }
 
 /// Marks at 1, 2 and 5 of every decade: gnuplot's own are one a decade, which a short axis has none of.
@@ -57,8 +49,9 @@ std::string plot_script(const SpeedAccuracy& chart) {
   script += "set xlabel 'seconds of one image (of all its lights), loading included'\n";
   script += "set ylabel 'error: root mean square, % of the picture'\n";
   script += "set title " +
-            quoted(fmt::format("{} in {}, {} x {} px; 4, 16, ... paths a pixel", chart.model_name,
-                               chart.environments.front(), chart.settings.size_px, chart.settings.size_px)) +
+            gnuplot_quoted(fmt::format("{} in {}, {} x {} px; 4, 16, ... paths a pixel", chart.model_name,
+                                       chart.environments.front(), chart.settings.size_px,
+                                       chart.settings.size_px)) +
             " noenhanced\n";
   std::string plot = "plot $front with points pt 6 ps 2 lc rgb '#999999' title 'Pareto front', \\\n";
   for (size_t s = 0; s < names.size(); ++s) {
@@ -71,7 +64,7 @@ std::string plot_script(const SpeedAccuracy& chart) {
                     : plain                                        ? 2
                                                                    : 1,
                     ours ? (several ? "#1a7f37" : "#1f5fbf") : (several ? "#b36b00" : "#c03030"),
-                    quoted(names[s]), s + 1 < names.size() ? ", \\" : "");
+                    gnuplot_quoted(names[s]), s + 1 < names.size() ? ", \\" : "");
   }
   script += "set terminal svg size 980,560 background rgb 'white'\nset output 'chart.svg'\n" + plot;
   script += "set terminal pngcairo size 980,560\nset output 'chart.png'\n" + plot;
@@ -115,17 +108,7 @@ std::string speed_accuracy_json(const SpeedAccuracy& chart) {
 }
 
 void draw_speed_accuracy(const SpeedAccuracy& chart, const fs::path& folder) {
-  write_file_atomically(folder / "chart.gp", plot_script(chart));
-  // gnuplot goes to the folder first, so the script's own path must not depend on where we are.
-  const fs::path there = fs::absolute(folder);
-  const ProcessResult result =
-      run_process({"gnuplot", "-e", "cd " + quoted(there.string()), (there / "chart.gp").string()}, {},
-                  [](const std::string&) {});
-  if (result.exit_code == 0) return;
-  std::string message = "no message";
-  for (const std::string& line : result.last_lines)
-    if (line.find_first_not_of(" ^\t") != std::string::npos) message = line;
-  throw InputError("gnuplot", "chart.gp", "failed: " + message, "install gnuplot-nox 5.4 or later");
+  run_gnuplot(plot_script(chart), folder);
 }
 
 }  // namespace ohb

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Do --error and --quality auto keep their promises? Ten scenes: humans, the example human and a head scan under varied
 # lights and materials, four of them without skin. Takes an hour; not part of ./test. What is baked is kept.
-#   tests/acceptance/ten_scenes.sh DATA OUT [promise_bench's options]
+#   tests/acceptance/ten_scenes.sh DATA OUT --error 0.01|--tolerance 0.02 [--size PX]
 # DATA holds humans/ and scans/. Prints one line a scene.
 set -euo pipefail
 data=$1 out=$2
@@ -42,7 +42,7 @@ make jacket_of_leather "$(human f33_leatherjacket_scan obj)" 3
 make striped_of_fabric "$(human m30_striped_scan obj)" 2
 
 # scene NAME MODEL VIEW/COUNT LIGHT...
-scene() { "$bin/promise_bench" "${options[@]}" "$@"; }
+scene() { OHB_MODELS=$out "$bin/promise_bench" "${options[@]}" "$@"; }
 options=("$@")
 scene example-sunset example 0/8 "$own/sunset.exr"
 scene example-two-lights example 1/8 "$own/studio.exr" 80,150,150,2

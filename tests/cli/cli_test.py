@@ -99,7 +99,7 @@ class Commands(unittest.TestCase):
     def test_every_command_has_help_with_examples(self):
         overview = run("--help")
         self.assertEqual(overview.returncode, DONE)
-        for command in ("inspect", "label", "bake", "render", "validate", "chart speed-accuracy"):
+        for command in ("inspect", "label", "bake", "render", "validate", "chart speed-accuracy", "chart stress"):
             self.assertIn(command.split()[0], overview.stdout)
             result = run(*command.split(), "--help")
             self.assertEqual(result.returncode, DONE)
@@ -292,6 +292,32 @@ class Commands(unittest.TestCase):
         self.assertEqual(result.returncode, DONE, result.stderr)
         self.assertTrue((self.folder / "relative" / "chart.svg").exists())
         self.expect_refusal(run(*arguments[:-1], self.folder / "x", "--blender", "/bin/false"), "/bin/false")
+        self.assertFalse((self.folder / "x").exists())
+
+    def test_chart_of_stress(self):
+        catalogue = self.folder / "catalogue.json"
+        case = {"name": "tiny", "scene": "roughness", "what": "a ball", "parameter": "roughness", "acceptable": "all",
+                "accept": {"cycles": 0.05}, "points": [1, 0.1]}
+        catalogue.write_text(json.dumps({"cases": [case]}))
+        arguments = ["chart", "stress", "--catalogue", catalogue, "--size", 16, "--spp", 64, "-o"]
+        result = run(*arguments, self.folder / "stress", "--json")
+        self.assertEqual(result.returncode, DONE, result.stderr)
+        points = json.loads(result.stdout)["cases"][0]["points"]
+        for point in points:
+            self.assertLess(abs(point["ours"]["mean_radiance"] / point["cycles"]["mean_radiance"] - 1), 0.1)
+        self.assertEqual({p.name for p in (self.folder / "stress").iterdir() if not p.name.startswith(".")},
+                         {"chart.csv", "chart.gp", "chart.json", "chart.png", "chart.svg"})
+        self.assertIn("tiny: within its limits", (self.folder / "stress" / "chart.svg").read_text())
+        # A limit that it does not keep: charted, and exit code 1.
+        case["accept"] = {"first": 0.001}
+        catalogue.write_text(json.dumps({"cases": [case]}))
+        result = run(*arguments, self.folder / "stress2", "--no-cycles")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("NOT WITHIN", result.stdout)
+        self.expect_refusal(run(*arguments, self.folder / "x", "--no-cycles", "--case", "none"), "--case none")
+        self.expect_refusal(run(*arguments, self.folder / "x", "--blender", "/bin/false"), "/bin/false")
+        catalogue.write_text("{")
+        self.expect_refusal(run(*arguments, self.folder / "x"), "catalogue.json")
         self.assertFalse((self.folder / "x").exists())
 
     def test_json_is_one_object_on_stdout(self):
