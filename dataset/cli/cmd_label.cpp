@@ -1,9 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "dataset/cli/commands.h"
+#include "dataset/model/error.h"
 #include "dataset/production/label.h"
+#include "dataset/production/label_serve.h"
 
 namespace ohb {
 namespace {
@@ -11,10 +14,20 @@ namespace {
 struct Options {
   std::string scan, rules, faces, strokes, truth, unit, output;
   std::vector<std::string> classes;
-  bool automatic = false;
+  bool automatic = false, serve = false;
 };
 
+int run_serve(const Options& options) {
+  if (!options.rules.empty() || !options.faces.empty() || !options.truth.empty() || options.automatic ||
+      !options.output.empty())
+    throw InputError("", "--serve", "takes only --strokes and --unit", "leave the other options out");
+  serve_labels({options.scan, options.strokes, options.unit}, std::cin, std::cout);
+  return 0;
+}
+
 int run_label(const Options& options, const CommonOptions& common) {
+  if (options.serve) return run_serve(options);
+  if (options.output.empty()) throw InputError("", "-o", "is missing", "name the folder for the regions");
   LabelJob job;
   job.scan = options.scan;
   job.rules = options.rules;
@@ -49,7 +62,9 @@ void add_label_command(CLI::App& app, Commands& commands) {
       ->delimiter(',');
   command->add_option("--truth", options->truth, "known classes, as --faces: prints accuracy and IoU");
   command->add_option("--unit", options->unit, "unit of the scan: mm, cm, m or inch (default: guessed)");
-  command->add_option("-o,--output", options->output, "folder for the regions")->required();
+  command->add_flag("--serve", options->serve,
+                    "answer strokes as they come: JSON lines on stdin and stdout, for painting tools");
+  command->add_option("-o,--output", options->output, "folder for the regions (needed, but for --serve)");
   add_common_options(*command, commands.common);
   command->footer(
       "Examples:\n"
@@ -57,6 +72,7 @@ void add_label_command(CLI::App& app, Commands& commands) {
       "  openhumanbrdf label person.obj --faces person.labels.txt --classes skin,hair,fabric,leather -o "
       "regions\n"
       "  openhumanbrdf label person.obj --strokes strokes.xml -o regions\n"
+      "  openhumanbrdf label person.obj --serve\n"
       "With none of them the names of materials and groups decide, and where these say nothing body, colour\n"
       "and texture.");
   command->callback([options, &commands] {
