@@ -17,7 +17,7 @@ struct RandomWalker::Matrices {
 
 namespace {
 
-constexpr float kLeastChange = 1e-5f;
+constexpr float kLeastChange = 1e-4f;
 constexpr int kMaxIterations = 2000;
 
 Vector column_of(const std::vector<ClassValues>& values, int c) {

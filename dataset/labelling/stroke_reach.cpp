@@ -40,12 +40,18 @@ std::vector<StrokeLikeness> reach_of_stroke(const FaceFeatures& features, const 
   const std::vector<Appearance> modes = modes_of(features, stroke_faces);
   std::array<bool, 256> is_open{};  // start classes under the stroke
   for (uint32_t f : stroke_faces) is_open[start_class[f]] = true;
-  std::vector<float> way(graph.size(), std::numeric_limits<float>::max());
+  constexpr float kUnseen = -1;
+  std::vector<float> way(graph.size(), std::numeric_limits<float>::max()), look(graph.size(), kUnseen);
   std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> open;
   for (uint32_t f : stroke_faces) {
     way[f] = 0;
     open.emplace(0.0f, f);
   }
+  const auto is_passable = [&](uint32_t f) {
+    if (!is_open[start_class[f]]) return false;
+    if (look[f] == kUnseen) look[f] = alike(features.appearance[f], modes);
+    return look[f] >= kLeast;
+  };
   while (!open.empty()) {
     const auto [length, face] = open.top();
     open.pop();
@@ -54,7 +60,7 @@ std::vector<StrokeLikeness> reach_of_stroke(const FaceFeatures& features, const 
       const FaceNeighbour& to = graph.neighbours[n];
       const float next =
           length + graph.edges[to.edge].distance_cm * (1 + kDetour * (1 / likeness[to.edge] - 1));
-      if (!(next < way[to.face]) || next > farthest || !is_open[start_class[to.face]]) continue;
+      if (!(next < way[to.face]) || next > farthest || !is_passable(to.face)) continue;
       way[to.face] = next;
       open.emplace(next, to.face);
     }
@@ -62,7 +68,7 @@ std::vector<StrokeLikeness> reach_of_stroke(const FaceFeatures& features, const 
   std::vector<StrokeLikeness> reach;
   for (uint32_t f = 0; f < graph.size(); ++f) {
     if (way[f] > farthest) continue;
-    const float value = alike(features.appearance[f], modes) * std::exp(-way[f] / kStrokeReach_cm);
+    const float value = (look[f] == kUnseen ? 1 : look[f]) * std::exp(-way[f] / kStrokeReach_cm);
     if (value >= kLeast) reach.push_back({f, value});
   }
   return reach;

@@ -14,9 +14,9 @@ struct StrokeLikeness {
   float value;
 };
 
-/// The faces that look as those of a stroke do and that a way over faces of the same start class connects
-/// with it: Gaussian of the difference in appearance, times exp(-way / kStrokeReach_cm); a way is longer
-/// where neighbours differ. Values below 0.01 are left out. In the order of the faces.
+/// The faces that look as those of a stroke do and that a way over such faces, of the same start class,
+/// connects with it: Gaussian of the difference in appearance, times exp(-way / kStrokeReach_cm); a way is
+/// longer where neighbours differ. Values below 0.01 are left out. In the order of the faces.
 std::vector<StrokeLikeness> reach_of_stroke(const FaceFeatures& features, const std::vector<float>& likeness,
                                             const std::vector<uint8_t>& start_class,
                                             const std::vector<uint32_t>& stroke_faces);

@@ -67,7 +67,7 @@ std::string plot_script(const std::vector<RobotPoint>& points) {
   const std::string panels =
       "set multiplot layout 1,2\nset grid lc rgb '#dddddd'\nset xlabel 'strokes'\nset key font ',9'\n"
       "set logscale y\nset yrange [0.009:100]\nset ylabel 'area labelled wrong, % (median; 0.01: none)'\n"
-      "set key top right\n" +
+      "set key outside bottom center maxcols 2\n" +
       lines(2) +
       "unset logscale y\nset yrange [0:1.02]\nset ylabel 'IoU of the worst class (median)'\nset key bottom "
       "right\n" +
