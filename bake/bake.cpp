@@ -101,14 +101,15 @@ std::unique_ptr<SourceBake> source_of(const CanonicalMesh& mesh, const MeshFrame
   return source;
 }
 
-/// Maps beside the six, which model.xml does not name: float, one channel; or half, three.
+/// Maps beside the six, which model.xml does not name: half, of one or three channels.
 void write_extra_map(const std::filesystem::path& file, const std::string& name, Image image) {
   if (image.values.empty()) return;
-  const bool is_scalar = image.channels == 1;
   std::vector<ExrPart> parts(1);
-  parts[0] = {name, is_scalar ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"},
-              is_scalar ? ExrPart::Type::kFloat : ExrPart::Type::kHalf, std::move(image)};
-  write_exr(file, parts, {});
+  parts[0].name = name;
+  parts[0].channels =
+      image.channels == 1 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
+  parts[0].image = std::move(image);
+  write_exr(file, parts, {{"compression", "zips:1"}});
 }
 
 }  // namespace

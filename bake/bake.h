@@ -46,10 +46,10 @@ struct BakeOptions {
   bool quiet = true;                // no progress bar
   std::vector<GreenChannel> green;  // of each of the scan's materials; empty: all up
   bool mends_seams = true;          // makes the two sides of each seam agree
-  /// Of each of the scan's materials: weights.exr of its REGIONS (the shares of the classes); empty, as a whole
-  /// or for one: borders are hard.
+  /// Of each of the scan's materials: weights.exr of its REGIONS (the shares of the classes); empty, as a
+  /// whole or for one: borders are hard.
   std::vector<std::filesystem::path> class_weights;
-  BakeSource source;                // its scan is null: the scan's own pictures
+  BakeSource source;  // its scan is null: the scan's own pictures
 };
 
 /// The material at a point from the share of each class there: the mean of specular, roughness and sss

@@ -48,6 +48,11 @@ std::vector<std::string> warnings_of(const BakeReport& report) {
     if (set.zero_length_normals > 0)
       warn(fmt::format("{} pixels of {} hold no direction and became flat", set.zero_length_normals,
                        set.normal));
+    if (!set.mask_size.empty())
+      warn(fmt::format(
+          "its mask {} has another size than its picture ({}): clear pixels are not kept out of the "
+          "colours where the map is smaller than the picture; export both in one size",
+          set.alpha, set.mask_size));
     if (set.normal_green == "unclear")
       warn(
           fmt::format("which way green points in {} cannot be told, it is read as up (OpenGL); say it with "

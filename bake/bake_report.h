@@ -36,6 +36,8 @@ struct SetReport {
   std::string diffuse, alpha, normal;  // file names of the pictures, "" without
   std::string normal_green;            // "up", "down" (turned over) or "unclear" (read as up); "" without
   uint64_t zero_length_normals = 0;
+  std::string
+      mask_size;  // "1024 x 1024 of 2048 x 2048": of alpha and diffuse where they differ; "" otherwise
   uint64_t seam_edges = 0;
   std::vector<MapSeams> seams;
   // From a source: what the texels that show a face found, and how far away along their normals.

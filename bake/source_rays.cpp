@@ -38,7 +38,8 @@ bool visit_nearest(RTCPointQueryFunctionArguments* arguments) {
   NearestQuery& query = *static_cast<NearestQuery*>(arguments->userPtr);
   float u, v;
   const Vec3f nearest = query.source->nearest_point(arguments->primID, query.origin, u, v);
-  const Vec3f normal = query.source->side_normal(arguments->primID, u, v);
+  const Vec3f normal =
+      query.source->side_normal(arguments->primID, query.source->area_normal(arguments->primID), u, v);
   if (!(dot(normal, query.direction) > kNearestCosine * length(normal))) return false;
   const Vec3f apart = nearest - query.origin;
   const float distance = length(apart);
@@ -85,9 +86,9 @@ SourcePoint choose(const SourceSurface& source, const Way& outward, const Way& i
 }
 
 /// Whether the way goes on behind this hit, which then says why it ends if it does.
-bool goes_on(const SourceSurface& source, uint32_t triangle, Vec3f outwards, float u, float v, float t,
-             float start, Way& way) {
-  const bool faces_outwards = dot(source.side_normal(triangle, u, v), outwards) > 0;
+bool goes_on(const SourceSurface& source, uint32_t triangle, Vec3f geometric, Vec3f outwards, float u,
+             float v, float t, float start, Way& way) {
+  const bool faces_outwards = dot(source.side_normal(triangle, geometric, u, v), outwards) > 0;
   way = {faces_outwards ? RayResult::kHit : RayResult::kBackFace, triangle, u, v, std::max(0.0f, t - start)};
   return !faces_outwards && t <= kCoincidentStarts * start;
 }
@@ -114,8 +115,8 @@ void trace_eight(const SourceSurface& source, const RayPacket& packet, float sig
       if (!valid[i]) continue;
       valid[i] = 0;
       if (r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-      if (!goes_on(source, r.hit.primID[i], packet.direction[i], r.hit.u[i], r.hit.v[i], r.ray.tfar[i], start,
-                   ways[i]))
+      if (!goes_on(source, r.hit.primID[i], {r.hit.Ng_x[i], r.hit.Ng_y[i], r.hit.Ng_z[i]},
+                   packet.direction[i], r.hit.u[i], r.hit.v[i], r.ray.tfar[i], start, ways[i]))
         continue;
       valid[i] = -1;
       any = true;
@@ -140,7 +141,9 @@ Way trace_one(const SourceSurface& source, Vec3f origin, Vec3f outwards, float s
     r.hit.geomID = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     intersect_one(source.bvh(), r);
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) break;
-    if (!goes_on(source, r.hit.primID, outwards, r.hit.u, r.hit.v, r.ray.tfar, start, way)) break;
+    if (!goes_on(source, r.hit.primID, {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, outwards, r.hit.u, r.hit.v,
+                 r.ray.tfar, start, way))
+      break;
     t_near = std::nextafter(r.ray.tfar, INFINITY);
   }
   return way;

@@ -48,6 +48,13 @@ Model mesh_of(const Scan& scan, double unit_cm, Vec3f shift_cm) {
   return mesh;
 }
 
+bool is_sliver(Vec3f a, Vec3f b, Vec3f c) {
+  constexpr float kSliver = 1e-4f;  // height over length; positions have 24 bits, some of them for the place
+  const Vec3f ab = b - a, ac = c - a, bc = c - b;
+  const float squared_length = std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
+  return !(length(cross(ab, ac)) > kSliver * squared_length);
+}
+
 /// The pixels of a picture that the faces of a material show.
 std::vector<uint8_t> shown_pixels(const Model& mesh, uint16_t material, const Image& picture) {
   std::vector<UvTriangle> uvs;
@@ -103,6 +110,9 @@ SourceSurface::SourceSurface(const Scan& scan, double unit_cm, Vec3f shift_cm,
       out.uv[c] = mesh.uvs[triangle.uv[c]];
     }
     out.material = triangle.set;
+    out.is_sliver =
+        is_sliver(mesh.positions_cm[triangle.position[0]], mesh.positions_cm[triangle.position[1]],
+                  mesh.positions_cm[triangle.position[2]]);
     triangles_.push_back(out);
   }
   if (std::any_of(materials_.begin(), materials_.end(),
@@ -158,17 +168,6 @@ void SourceSurface::build_bvh() {
 Vec3f SourceSurface::area_normal(uint32_t triangle) const {
   const uint32_t* const i = &indices_[3 * size_t{triangle}];
   return cross(positions_[i[1]] - positions_[i[0]], positions_[i[2]] - positions_[i[0]]);
-}
-
-Vec3f SourceSurface::side_normal(uint32_t triangle, float u, float v) const {
-  constexpr float kSliver = 1e-4f;  // height over length; positions have 24 bits, some of them for the place
-  const uint32_t* const i = &indices_[3 * size_t{triangle}];
-  const Vec3f ab = positions_[i[1]] - positions_[i[0]], ac = positions_[i[2]] - positions_[i[0]];
-  const Vec3f bc = ac - ab, normal = cross(ab, ac);
-  const float squared_length = std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
-  if (length(normal) > kSliver * squared_length) return normal;
-  const SourceTriangle& t = triangles_[triangle];
-  return (1 - u - v) * t.normal[0] + u * t.normal[1] + v * t.normal[2];
 }
 
 Vec3f SourceSurface::position(uint32_t triangle, float u, float v) const {

@@ -18,7 +18,8 @@ namespace ohb {
 struct alignas(64) SourceTriangle {
   Vec3f normal[3];  // smooth, unit
   Vec2f uv[3];
-  uint32_t material;
+  uint16_t material;
+  bool is_sliver;
 };
 
 struct SourceMaterial {
@@ -52,9 +53,13 @@ class SourceSurface {
   Vec3f area_normal(uint32_t triangle) const;
 
   Vec3f position(uint32_t triangle, float u, float v) const;
-  /// The geometric normal, not unit, for telling front from back; of slivers, whose own winding is rounding,
+  /// For telling front from back: the geometric normal, not unit; of slivers, whose own winding is rounding,
   /// the smooth normal at u, v.
-  Vec3f side_normal(uint32_t triangle, float u, float v) const;
+  Vec3f side_normal(uint32_t triangle, Vec3f geometric, float u, float v) const {
+    const SourceTriangle& t = triangles_[triangle];
+    if (!t.is_sliver) return geometric;
+    return (1 - u - v) * t.normal[0] + u * t.normal[1] + v * t.normal[2];
+  }
   /// The point of a triangle nearest to p, and its barycentric weights of corners 1 and 2.
   Vec3f nearest_point(uint32_t triangle, Vec3f p, float& u, float& v) const;
 

@@ -49,6 +49,14 @@ Size size_of_set(const ScanPicture& diffuse, int wanted_px, const SourceBake* so
   return {scaled(width), scaled(height)};
 }
 
+/// As SetReport::mask_size.
+std::string mask_size_of(const ScanMaterial& material) {
+  if (material.diffuse.empty() || material.alpha.empty()) return "";
+  const ImageFileInfo colour = probe_image(material.diffuse), mask = probe_image(material.alpha);
+  if (colour.width_px == mask.width_px && colour.height_px == mask.height_px) return "";
+  return fmt::format("{} x {} of {} x {}", mask.width_px, mask.height_px, colour.width_px, colour.height_px);
+}
+
 std::vector<uint8_t> covered_texels(const TexelCoverage& coverage) {
   std::vector<uint8_t> is_covered(coverage.owner.size());
   for (size_t i = 0; i < is_covered.size(); ++i) is_covered[i] = coverage.owner[i] != TexelCoverage::kNone;
@@ -178,6 +186,7 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
   report.name = material_.name;
   report.diffuse = material_.diffuse.file.filename().string();
   report.alpha = material_.alpha.file.filename().string();
+  report.mask_size = mask_size_of(material_);
   const Size size = size_of_set(material_.diffuse, options.size_px, source);
   coverage_ = cover_texels(triangles_.uvs, size.width_px, size.height_px);
   report_geometry(mesh.model, triangles_, coverage_, report);

@@ -149,7 +149,10 @@ void write_texture_map(const fs::path& folder, const MapKind& kind, Image image,
                kind.is_float ? ExrPart::Type::kFloat : ExrPart::Type::kHalf, std::move(image)};
   std::vector<ExrPart> parts;
   parts.push_back(std::move(part));
-  write_exr(maps / (std::string(kind.name) + ".exr"), parts, {});
+  // Positions in float hardly compress: 7 %, for as much time as all the rest. Single scanlines at the lowest
+  // effort cost half the time of blocks of 16 and 12 % more space.
+  write_exr(maps / (std::string(kind.name) + ".exr"), parts,
+            {{"compression", kind.is_float ? "none" : "zips:1"}});
   if (!is_flat_normal) entry.maps.push_back(kind.name);
 }
 
