@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Builds a scene that `openhumanbrdf validate` wrote and renders it in Cycles, once for each seed.
 
-    blender -b -noaudio --factory-startup -t N --python-exit-code 1 --python validation_scene.py -- scene.json
+    blender -b -noaudio --factory-startup -t N --python-exit-code 1 --python validation_scene.py -- scene.json N
+    VENV/bin/python validation_scene.py -- scene.json N      (with the module bpy in place of Blender)
 
+N: threads, 0 for all.
 Input: scene.json and the raw little-endian arrays and images that it names, beside it (see
 renderer/validation/cycles_scene.h). Lengths are metres, axes are Blender's.
 Output, in the folder `output` of scene.json: pass_<i>_seed_<k>_box_<j>.exr (whole frame, float RGBA, linear
@@ -10,7 +12,8 @@ Rec. 709, premultiplied; 0 outside the box) and report.json (versions, every set
 back after the last render, times).
 Prints `progress <done> <total>` lines. Exits 1 with a Python traceback if anything is wrong.
 
-Holds for Blender 3.4: socket names, Principled v1, sampling patterns (see docs/commands/validate.md).
+The scene's model says which Blender it is for: v1, 3.4 (Principled v1); v2, 4.5 (Principled v2). Each holds for
+that version alone: names of sockets and of sampling patterns differ (see docs/commands/validate.md).
 """
 import array
 import json
@@ -22,6 +25,10 @@ import bpy
 from mathutils import Matrix
 
 FORMAT = "openhumanbrdf validation scene 1"
+VERSIONS = {"v1": (3, 4), "v2": (4, 5)}
+IS_V2 = bpy.app.version >= (4, 0)
+LINEAR = "Linear Rec.709" if IS_V2 else "Linear"
+LEAST_SUBSURFACE = 1e-5
 
 
 class Settings:
@@ -98,9 +105,13 @@ def add_object(settings, mesh, turn):
     thing = bpy.data.objects.new("model", mesh)
     bpy.context.scene.collection.objects.link(thing)
     settings.set("object", thing, "rotation_euler", (0.0, 0.0, turn))
-    settings.set("mesh", mesh, "use_auto_smooth", False)
-    settings.set_all("object.cycles", thing.cycles, {
-        "shadow_terminator_offset": 0.0, "shadow_terminator_geometry_offset": 0.0})
+    if IS_V2:   # those of object.cycles are still there and do nothing
+        settings.set_all("object", thing, {
+            "shadow_terminator_shading_offset": 0.0, "shadow_terminator_geometry_offset": 0.0})
+    else:
+        settings.set("mesh", mesh, "use_auto_smooth", False)
+        settings.set_all("object.cycles", thing.cycles, {
+            "shadow_terminator_offset": 0.0, "shadow_terminator_geometry_offset": 0.0})
     return thing
 
 
@@ -160,10 +171,16 @@ def normal_socket(settings, tree, path):
 
 
 def link_subsurface(settings, tree, principled, path, scale, albedo):
-    """The map scales the radius (1, .2, .1) cm; in this version Subsurface is no blend weight."""
+    """The map scales the radius (1, .2, .1) cm. v1: Subsurface does, which is no blend weight there. v2: Scale does,
+    and the weight is 1 where there is any."""
     weight = math_node(tree, "MULTIPLY", image_node(settings, tree, path, "Non-Color"), scale)
-    tree.links.new(weight, principled.inputs["Subsurface"])
-    tree.links.new(albedo, principled.inputs["Subsurface Color"])
+    if IS_V2:
+        tree.links.new(weight, principled.inputs["Subsurface Scale"])
+        is_some = math_node(tree, "GREATER_THAN", weight, LEAST_SUBSURFACE)
+        tree.links.new(is_some, principled.inputs["Subsurface Weight"])
+    else:
+        tree.links.new(weight, principled.inputs["Subsurface"])
+        tree.links.new(albedo, principled.inputs["Subsurface Color"])
     settings.set("Subsurface Radius", principled.inputs["Subsurface Radius"], "default_value",
                  (0.01, 0.002, 0.001))
     settings.set("Subsurface IOR", principled.inputs["Subsurface IOR"], "default_value", 1.4)
@@ -172,9 +189,19 @@ def link_subsurface(settings, tree, principled, path, scale, albedo):
 
 def principled_node(settings, tree):
     node = tree.nodes.get("Principled BSDF")
-    settings.set_all("Principled BSDF", node, {"distribution": "GGX", "subsurface_method": "RANDOM_WALK"})
-    for name in ("Subsurface", "Metallic", "Specular Tint", "Anisotropic", "Sheen", "Clearcoat", "Transmission",
-                 "Emission Strength"):
+    if IS_V2:
+        choices = {"distribution": "MULTI_GGX", "subsurface_method": "RANDOM_WALK_SKIN"}
+        zeros = ("Subsurface Weight", "Metallic", "Diffuse Roughness", "Anisotropic", "Sheen Weight", "Coat Weight",
+                 "Transmission Weight", "Emission Strength", "Thin Film Thickness")
+        settings.set("Principled BSDF IOR", node.inputs["IOR"], "default_value", 1.5)
+        settings.set("Principled BSDF Specular Tint", node.inputs["Specular Tint"], "default_value",
+                     (1.0, 1.0, 1.0, 1.0))
+    else:
+        choices = {"distribution": "GGX", "subsurface_method": "RANDOM_WALK"}
+        zeros = ("Subsurface", "Metallic", "Specular Tint", "Anisotropic", "Sheen", "Clearcoat", "Transmission",
+                 "Emission Strength")
+    settings.set_all("Principled BSDF", node, choices)
+    for name in zeros:
         settings.set("Principled BSDF " + name, node.inputs[name], "default_value", 0.0)
     settings.set("Principled BSDF Alpha", node.inputs["Alpha"], "default_value", 1.0)
     return node
@@ -184,7 +211,11 @@ def build_material(settings, folder, texture_set, sss_scale):
     """Principled v1 of one texture set. Maps that are null are left out (opaque, flat, no subsurface)."""
     material = bpy.data.materials.new(texture_set["name"])
     material.use_nodes = True
-    settings.set("material.cycles", material.cycles, "displacement_method", "BUMP")
+    if IS_V2:
+        settings.set("material", material, "displacement_method", "BUMP")
+        settings.set("material.cycles", material.cycles, "use_bump_map_correction", True)
+    else:
+        settings.set("material.cycles", material.cycles, "displacement_method", "BUMP")
     tree = material.node_tree
     principled = principled_node(settings, tree)
     uv = tree.nodes.new("ShaderNodeUVMap")
@@ -198,9 +229,9 @@ def build_material(settings, folder, texture_set, sss_scale):
             return output
         return None
 
-    albedo = linked("albedo", "Base Color", "Linear")
+    albedo = linked("albedo", "Base Color", LINEAR)
     linked("roughness", "Roughness")
-    linked("specular", "Specular",
+    linked("specular", "Specular IOR Level" if IS_V2 else "Specular",
            convert=lambda value: math_node(tree, "DIVIDE", srgb_to_linear(tree, value), 0.08))
     linked("alpha", "Alpha")
     if texture_set["normal"]:
@@ -225,7 +256,7 @@ def build_world(settings, folder, environment):
         settings.set("Background", background.inputs["Color"], "default_value", (0.0, 0.0, 0.0, 1.0))
         return
     node = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
-    node.image = load_image(settings, os.path.join(folder, environment["file"]), "Linear")
+    node.image = load_image(settings, os.path.join(folder, environment["file"]), LINEAR)
     settings.set_all("environment", node, {"interpolation": "Linear", "projection": "EQUIRECTANGULAR"})
     world.node_tree.links.new(node.outputs["Color"], background.inputs["Color"])
     settings.set_all("world.cycles", world.cycles, {
@@ -239,6 +270,9 @@ def add_point_light(settings, number, point):
     settings.set_all(light.name, light, {
         "energy": 4.0 * 3.14159265358979 * strength, "shadow_soft_size": 0.0, "use_nodes": False,
         "color": tuple(value / strength for value in point["intensity"])})
+    if IS_V2:
+        settings.set_all(light.name, light, {"use_soft_falloff": False, "normalize": True, "exposure": 0.0,
+                                             "use_temperature": False})
     thing = bpy.data.objects.new(light.name, light)
     thing.location = point["position"]
     bpy.context.scene.collection.objects.link(thing)
@@ -273,8 +307,20 @@ def set_cycles(settings, scene, description):
         "transmission_bounces": bounces, "volume_bounces": bounces, "transparent_max_bounces": 256,
         "min_light_bounces": 0, "min_transparent_bounces": 0, "use_fast_gi": False, "use_auto_tile": False,
         "auto_scrambling_distance": False, "scrambling_distance": 1.0, "use_animated_seed": False,
-        "sampling_pattern": description["sampling_pattern"], "pixel_filter_type": "BOX", "film_exposure": 1.0,
+        "pixel_filter_type": "BOX", "film_exposure": 1.0,
         "film_transparent_glass": False})
+    if not IS_V2:
+        settings.set("scene.cycles", scene.cycles, "sampling_pattern", "PROGRESSIVE_MULTI_JITTER")
+
+
+def set_later_options(settings, scene, threads):
+    """What Blender 4.5 has besides."""
+    settings.set_all("scene.cycles", scene.cycles, {
+        "use_light_tree": False, "use_guiding": False, "use_sample_subset": False,
+        "direct_light_sampling_type": "MULTIPLE_IMPORTANCE_SAMPLING", "sampling_pattern": "TABULATED_SOBOL"})
+    settings.set("scene.view_settings", scene.view_settings, "use_white_balance", False)
+    if bpy.app.module and threads > 0:   # Blender itself is told by -t
+        settings.set_all("scene.render", scene.render, {"threads_mode": "FIXED", "threads": threads})
 
 
 def set_output(settings, scene, size_px):
@@ -290,18 +336,22 @@ def set_output(settings, scene, size_px):
 
 
 def clear_factory_scene():
+    if IS_V2:
+        bpy.ops.wm.read_factory_settings()   # the module has read the user's
     for objects in (bpy.data.objects, bpy.data.materials, bpy.data.meshes, bpy.data.lights, bpy.data.cameras,
                     bpy.data.worlds):
         for item in list(objects):
             objects.remove(item)
 
 
-def build_scene(folder, description):
+def build_scene(folder, description, threads):
     """The whole scene; returns the settings to read back."""
     clear_factory_scene()
     settings = Settings()
     scene = bpy.context.scene
     set_cycles(settings, scene, description)
+    if IS_V2:
+        set_later_options(settings, scene, threads)
     set_output(settings, scene, description["size_px"])
     mesh = build_mesh(folder, description["mesh"])
     for texture_set in description["texture_sets"]:
@@ -386,16 +436,23 @@ def render_passes(settings, description, output):
     return passes
 
 
-def run(path):
+def check(path, description):
+    if description["format"] != FORMAT:
+        raise ValueError("%s: format '%s' is not '%s'" % (path, description["format"], FORMAT))
+    if bpy.app.version[:2] != VERSIONS[description["model"]]:
+        raise ValueError("%s: is for Blender %d.%d, this is %s" % (
+            path, *VERSIONS[description["model"]], bpy.app.version_string))
+
+
+def run(path, threads):
     folder = os.path.dirname(os.path.abspath(path))
     with open(path, encoding="utf-8") as file:
         description = json.load(file)
-    if description["format"] != FORMAT:
-        raise ValueError("%s: format '%s' is not '%s'" % (path, description["format"], FORMAT))
+    check(path, description)
     output = os.path.join(folder, description["output"])
     os.makedirs(output, exist_ok=True)
     built = []
-    build_s, _ = timed(lambda: built.append(build_scene(folder, description)))
+    build_s, _ = timed(lambda: built.append(build_scene(folder, description, threads)))
     settings = built[0]
     load_s, load_cpu_s = timed(lambda: warm_up(settings, os.path.join(output, "warm_up.exr")))
     passes = render_passes(settings, description, output)
@@ -406,4 +463,8 @@ def run(path):
 
 
 if __name__ == "__main__":
-    run(sys.argv[sys.argv.index("--") + 1])
+    arguments = sys.argv[sys.argv.index("--") + 1:]
+    run(arguments[0], int(arguments[1]))
+    if getattr(bpy.app, "module", False):
+        sys.stdout.flush()
+        os._exit(0)   # some modules crash while Python ends, after the work

@@ -40,7 +40,7 @@ struct RenderSettings {
   /// error for the work. Unbiased: an eighth of it goes into pilot images that are not used otherwise. From
   /// 32 on.
   bool adaptive = false;
-  ShadingModel model = ShadingModel::kV1;
+  ShadingModel shading = ShadingModel::kV1;
   bool subsurface = true;  // false: skin reflects diffusely instead
   int map_grid = 8;        // the maps average map_grid x map_grid points a pixel
   /// Cycles sends sample 0 of each pixel through the centre; set it to equal Cycles at the same spp.

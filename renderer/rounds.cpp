@@ -50,7 +50,7 @@ TileResult render_tile(const Picture& picture, const PathRange& paths,
 TileResult render_tile(const Picture& picture, const PathRange& paths, const tbb::blocked_range2d<int>& range,
                        std::vector<SampleLight>& images, std::vector<RecordedRay>* record) {
   const bool cutouts = picture.context.scene.cutout != nullptr;
-  const auto render = picture.settings.model == ShadingModel::kV1
+  const auto render = picture.settings.shading == ShadingModel::kV1
                           ? (cutouts ? render_tile<true, PrincipledV1> : render_tile<false, PrincipledV1>)
                           : (cutouts ? render_tile<true, PrincipledV2> : render_tile<false, PrincipledV2>);
   return render(picture, paths, range, images, record);

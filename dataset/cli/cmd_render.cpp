@@ -35,7 +35,7 @@ int run_render(const Options& options, const CommonOptions& common) {
   job.settings.max_bounces = options.bounces;
   job.settings.adaptive = options.sampling == "adaptive";
   job.settings.subsurface = options.subsurface == "walk";
-  job.settings.model = options.shading == "v2" ? ShadingModel::kV2 : ShadingModel::kV1;
+  job.settings.shading = options.shading == "v2" ? ShadingModel::kV2 : ShadingModel::kV1;
   job.settings.seed = common.seed;
   job.quality = options.quality == "auto"   ? Quality::kAuto
                 : options.quality == "fast" ? Quality::kFast

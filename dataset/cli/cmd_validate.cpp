@@ -11,7 +11,8 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Options {
-  std::string model, environment, view = "0/1", subsurface = "walk", output;
+  std::string model, environment, view = "0/1", subsurface = "walk", shading = "v1", output;
+  bool install_bpy = false;
   ValidationSettings settings;
 };
 
@@ -48,6 +49,8 @@ int run_validate(Options options, const CommonOptions& common) {
   parse_view(options.view, settings);
   settings.threads = common.threads;
   settings.subsurface = options.subsurface == "walk";
+  settings.shading = options.shading == "v2" ? ShadingModel::kV2 : ShadingModel::kV1;
+  if (options.install_bpy) install_bpy(settings.bpy);
   settings.seed = common.seed;
   const Model model = read_model(options.model);
   const Environment environment = read_environment(options.environment);
@@ -68,13 +71,28 @@ int run_validate(Options options, const CommonOptions& common) {
 }  // namespace
 
 void add_validate_command(CLI::App& app, Commands& commands) {
-  CLI::App* command =
-      app.add_subcommand("validate", "The same view in Cycles of Blender 3.4 and here, compared");
+  CLI::App* command = app.add_subcommand("validate", "The same view in Blender's Cycles and here, compared");
   auto options = std::make_shared<Options>();
   ValidationSettings& settings = options->settings;
   command->add_option("MODEL", options->model, "folder that bake wrote")->required();
   command->add_option("--environment", options->environment, "latitude-longitude map, linear")->required();
-  command->add_option("--blender", settings.blender, "Blender 3.4 (default: blender in PATH)");
+  command
+      ->add_option("--model", options->shading,
+                   "Principled BSDF: v1, against Blender 3.4; v2, against Blender 4.5")
+      ->check(CLI::IsMember({"v1", "v2"}))
+      ->capture_default_str();
+  CLI::Option* blender = command->add_option("--blender", settings.blender,
+                                             "Blender 3.4, or 4.5 for --model v2 (default: blender in PATH)");
+  CLI::Option* bpy =
+      command
+          ->add_option("--bpy", settings.bpy,
+                       "instead of --blender: a Python environment with Blender 4.5 as the module bpy")
+          ->excludes(blender);
+  command
+      ->add_flag(
+          "--install-bpy", options->install_bpy,
+          "makes that environment if it is not there: fetches about 400 MB from PyPI, needs Python 3.11")
+      ->needs(bpy);
   command->add_option("--view", options->view, "view k of n around the turn, k/n")->capture_default_str();
   command->add_option("--size", settings.size_px, "width and height in pixels")
       ->check(CLI::Range(8, 8192))
@@ -105,6 +123,8 @@ void add_validate_command(CLI::App& app, Commands& commands) {
       "Examples:\n"
       "  openhumanbrdf validate model --environment studio.exr -o report\n"
       "  openhumanbrdf validate model --environment sunset.exr --view 25/100 --size 512 --spp 256 -o report\n"
+      "  openhumanbrdf validate model --environment studio.exr --model v2 --bpy bpy45 --install-bpy -o "
+      "report\n"
       "Exit code 0: both agree; 1: a difference, or too few samples to tell; 2: bad input.");
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_validate(*options, commands.common); };

@@ -81,7 +81,7 @@ ExrAttributes attributes_of(const RenderJob& job, const Model& model, const std:
   if (job.quality == Quality::kAuto) a.emplace_back("ohb:tolerance", shortest(job.tolerance));
   if (job.goal) a.emplace_back("ohb:error", shortest(job.goal->relative_error));
   // Samples of v1 keep the attributes that they had before there was another.
-  if (s.model == ShadingModel::kV2) a.emplace_back("ohb:shadingModel", "Principled v2, Blender 4.5");
+  if (s.shading == ShadingModel::kV2) a.emplace_back("ohb:shadingModel", "Principled v2, Blender 4.5");
   for (const Environment& environment : environments)
     a.emplace_back("ohb:environment." + environment.name, environment.sha256);
   for (const PointLight& light : job.points)

@@ -11,9 +11,27 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 namespace {
 
-constexpr int kKnownMajor = 3, kKnownMinor = 4;
-constexpr const char* kMend =
-    "install Debian 12's package (apt install blender) or name Blender 3.4 with --blender";
+/// The version whose Cycles a model equals.
+struct KnownBlender {
+  int major, minor;
+  std::string mend;
+};
+KnownBlender known_blender(ShadingModel shading) {
+  if (shading == ShadingModel::kV1)
+    return {3, 4, "install Debian 12's package (apt install blender) or name Blender 3.4 with --blender"};
+  return {
+      4, 5,
+      "name Blender 4.5 with --blender, or a folder with --bpy and let --install-bpy fetch it as a module"};
+}
+
+Blender checked(const Blender& blender, const KnownBlender& known) {
+  if (blender.major != known.major || blender.minor != known.minor)
+    throw InputError(blender.program.string(), "",
+                     "is Blender " + blender.version + "; this model equals Cycles of Blender " +
+                         std::to_string(known.major) + "." + std::to_string(known.minor),
+                     known.mend);
+  return blender;
+}
 
 /// One image, the sum of the files of its boxes.
 CyclesRender read_render(const fs::path& renders, const json& row) {
@@ -27,6 +45,12 @@ CyclesRender read_render(const fs::path& renders, const json& row) {
     for (size_t i = 0; i < image.values.size(); ++i) render.rgba.values[i] += image.values[i];
   }
   return render;
+}
+
+void run_or_throw(const std::vector<std::string>& arguments, const std::string& mend) {
+  const ProcessResult result = run_process(arguments, {}, nullptr);
+  if (result.exit_code != 0)
+    throw InputError(arguments[0], "", "failed: " + reason_of(result.last_lines), mend);
 }
 
 CyclesRun read_report(const fs::path& renders) {
@@ -46,12 +70,40 @@ CyclesRun read_report(const fs::path& renders) {
 
 }  // namespace
 
-Blender find_blender(const fs::path& program) {
-  const Blender blender = ask_blender(program, kMend);
-  if (blender.major != kKnownMajor || blender.minor != kKnownMinor)
-    throw InputError(blender.program.string(), "",
-                     "is Blender " + blender.version + "; our renderer equals Cycles of Blender 3.4", kMend);
-  return blender;
+Blender find_blender(const fs::path& program, ShadingModel shading) {
+  const KnownBlender known = known_blender(shading);
+  return checked(ask_blender(program, known.mend), known);
+}
+
+Blender find_bpy(const fs::path& environment, ShadingModel shading) {
+  const KnownBlender known = known_blender(shading);
+  return checked(ask_bpy(environment, known.mend), known);
+}
+
+void install_bpy(const fs::path& environment) {
+  // Pinned: the newest of the long-term version when this was written.
+  constexpr const char* kPackage = "bpy==4.5.15";
+  if (fs::exists(environment)) {
+    try {
+      find_bpy(environment, ShadingModel::kV2);
+      return;
+    } catch (const InputError&) {
+      throw InputError(environment.string(), "", "is there, and does not have Blender 4.5 as a module",
+                       "name a folder that is not there yet");
+    }
+  }
+  try {
+    std::fprintf(stderr, "fetching %s into %s\n", kPackage, environment.c_str());
+    run_or_throw({"python3.11", "-m", "venv", environment.string()},
+                 "install Python 3.11 with its venv module (apt install python3.11-venv): "
+                 "Blender 4.5 has no module for others");
+    run_or_throw({(environment / "bin/pip").string(), "install", "--disable-pip-version-check", kPackage},
+                 "check the network, or install bpy 4.5 in a Python 3.11 environment yourself");
+    find_bpy(environment, ShadingModel::kV2);
+  } catch (...) {
+    fs::remove_all(environment);
+    throw;
+  }
 }
 
 CyclesRun run_cycles(const Blender& blender, const fs::path& folder, int threads,
@@ -60,8 +112,9 @@ CyclesRun run_cycles(const Blender& blender, const fs::path& folder, int threads
   const fs::path inside = folder / "blender";
   fs::create_directories(inside);
   const ProcessResult result =
-      run_in_blender(blender, "blender_addon/validation_scene.py", {(folder / "scene.json").string()},
-                     threads, inside, [&](const std::string& line) {
+      run_in_blender(blender, "blender_addon/validation_scene.py",
+                     {(folder / "scene.json").string(), std::to_string(threads)}, threads, inside,
+                     [&](const std::string& line) {
                        size_t rendered = 0, total = 0;
                        if (done && std::sscanf(line.c_str(), "progress %zu %zu", &rendered, &total) == 2)
                          done(rendered, total);

@@ -9,12 +9,21 @@
 
 #include "dataset/model/blender.h"
 #include "dataset/model/image.h"
+#include "renderer/render.h"
 
 namespace ohb {
 
 /// Asks the program (empty: `blender` in PATH) for its version. Throws InputError if it cannot be started
-/// or is not 3.4, the version whose Cycles our renderer equals.
-Blender find_blender(const std::filesystem::path& program);
+/// or is not the version whose Cycles the model equals: 3.4 for v1, 4.5 for v2.
+Blender find_blender(const std::filesystem::path& program, ShadingModel shading = ShadingModel::kV1);
+
+/// The same for a virtual environment that has Blender as the Python module bpy.
+Blender find_bpy(const std::filesystem::path& environment, ShadingModel shading);
+
+/// Makes `environment` and installs the module of Blender 4.5 there, from PyPI (about 400 MB; needs Python
+/// 3.11). Does nothing where a module of that version is. Throws InputError if it cannot; what was there
+/// stays then, and what was not is removed.
+void install_bpy(const std::filesystem::path& environment);
 
 /// One property: what was asked for and what Blender held after the last render, as JSON text.
 struct CyclesSetting {

@@ -151,6 +151,7 @@ std::vector<uint32_t> cycles_seeds(uint64_t seed, int count) {
 void write_cycles_scene(const fs::path& folder, const CyclesScene& scene) {
   fs::create_directories(folder / "maps");
   json description = {{"format", "openhumanbrdf validation scene 1"},
+                      {"model", scene.shading == ShadingModel::kV1 ? "v1" : "v2"},
                       {"mesh", write_mesh(folder, *scene.model)},
                       {"texture_sets", json::array()},
                       {"sss_scale", scene.subsurface ? 1.0 : 0.0},
@@ -160,7 +161,6 @@ void write_cycles_scene(const fs::path& folder, const CyclesScene& scene) {
                       {"turn", scene.turn_rad},
                       {"size_px", scene.size_px},
                       {"bounces", scene.max_bounces},
-                      {"sampling_pattern", "PROGRESSIVE_MULTI_JITTER"},
                       {"passes", json::array()},
                       {"output", "renders"}};
   for (size_t i = 0; i < scene.model->sets.size(); ++i)

@@ -1,5 +1,5 @@
 // Hands a scene to Blender: a folder of raw arrays, maps and scene.json that
-// blender_addon/validation_scene.py builds and renders in Cycles 3.4.
+// blender_addon/validation_scene.py builds and renders in Cycles of Blender 3.4 (v1) or 4.5 (v2).
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,8 @@ struct CyclesScene {
   Camera camera;
   double turn_rad = 0;  // of the subject about +Y
   int size_px = 256;
-  int max_bounces = 32;    // of every kind; cut-outs pass 256
+  int max_bounces = 32;  // of every kind; cut-outs pass 256
+  ShadingModel shading = ShadingModel::kV1;
   bool subsurface = true;  // false: diffuse reflection instead
   std::vector<CyclesPass> passes;
 };

@@ -82,6 +82,7 @@ std::string validation_json(const Validation& v) {
       {"model", v.model_name},
       {"environment", v.environment_name},
       {"blender", v.blender_version},
+      {"shading", v.settings.shading == ShadingModel::kV1 ? "Principled v1" : "Principled v2"},
       {"subsurface", !v.has_subsurface       ? "none"
                      : v.settings.subsurface ? "random walk"
                                              : "set to 0 on both sides"},

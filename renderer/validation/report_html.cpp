@@ -191,8 +191,10 @@ std::string validation_html(const Validation& v) {
       escaped(v.model_name), kStyle, escaped(v.environment_name));
   html += verdict_block(v);
   html += fmt::format(
-      "<p>View {} of {}, {} x {} px, {} samples a pixel, {} seeds a side, {} bounces, Blender {}.{}</p>\n",
-      s.view, s.view_count, s.size_px, s.size_px, s.spp, s.seeds, s.max_bounces, escaped(v.blender_version),
+      "<p>View {} of {}, {} x {} px, {} samples a pixel, {} seeds a side, {} bounces, Principled {}, Blender "
+      "{}.{}</p>\n",
+      s.view, s.view_count, s.size_px, s.size_px, s.spp, s.seeds, s.max_bounces,
+      s.shading == ShadingModel::kV1 ? "v1" : "v2", escaped(v.blender_version),
       v.has_subsurface && !v.settings.subsurface ? " Subsurface scattering is set to 0 on both sides." : "");
   html += picture_block(v);
   html += "<h2>Bias by region</h2>\n" + region_table(v);

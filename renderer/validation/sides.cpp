@@ -54,6 +54,7 @@ RenderSettings OurRenderer::settings() const {
   RenderSettings settings;
   settings.size_px = scene_.size_px;
   settings.max_bounces = scene_.max_bounces;
+  settings.shading = scene_.shading;
   settings.subsurface = scene_.subsurface;
   settings.first_sample_at_centre = true;
   return settings;

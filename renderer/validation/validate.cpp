@@ -90,6 +90,7 @@ CyclesScene scene_of(const Model& model, const Environment& environment, const V
   scene.turn_rad = turn_of_view(settings.view, settings.view_count);
   scene.size_px = settings.size_px;
   scene.max_bounces = settings.max_bounces;
+  scene.shading = settings.shading;
   scene.subsurface = settings.subsurface;
   scene.passes = {{settings.spp, cycles_seeds(settings.seed, settings.seeds), {}}};
   return scene;
@@ -121,7 +122,8 @@ SpeedRatio speed_at_equal_error(const Validation& v) {
 
 Validation validate(const Model& model, const Environment& environment, const ValidationSettings& settings,
                     const std::filesystem::path& scratch) {
-  const Blender blender = find_blender(settings.blender);
+  const Blender blender = settings.bpy.empty() ? find_blender(settings.blender, settings.shading)
+                                               : find_bpy(settings.bpy, settings.shading);
   Validation v;
   v.model_name = model.name;
   v.environment_name = environment.name;

@@ -20,12 +20,14 @@ struct ValidationThresholds {
 struct ValidationSettings {
   int view = 0, view_count = 1;
   int size_px = 256, spp = 128, seeds = 8, max_bounces = 32;
+  ShadingModel shading = ShadingModel::kV1;
   bool subsurface = true;  // false: diffuse reflection instead, on both sides
   /// Regions whose interval is too wide are rendered again, alone, with up to so many times the work.
   double focus = 100;  // 1: never
   int threads = 0;     // 0: all
   uint64_t seed = 1;
   std::filesystem::path blender;  // empty: from PATH
+  std::filesystem::path bpy;      // a virtual environment with Blender as a module, instead of a program
   ValidationThresholds thresholds;
 };
 

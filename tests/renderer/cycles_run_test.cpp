@@ -31,6 +31,28 @@ TEST(Blender, MissingOrWrongOnesAreNamed) {
   EXPECT_EQ(find_blender(script(folder, "right", "echo Blender 3.4.1")).version, "3.4.1");
 }
 
+TEST(Blender, SecondModelWantsItsOwnVersion) {
+  const TemporaryFolder folder;
+  expect_message(
+      input_error_of([&] { find_blender(script(folder, "old", "echo Blender 3.4.1"), ShadingModel::kV2); }),
+      {"old", "Blender 3.4.1", "4.5", "--bpy"});
+  EXPECT_EQ(find_blender(script(folder, "new", "echo Blender 4.5.3 LTS"), ShadingModel::kV2).version,
+            "4.5.3");
+  expect_message(input_error_of([&] { find_bpy(folder / "nothing", ShadingModel::kV2); }),
+                 {"nothing/bin/python", "was not found", "--install-bpy"});
+  // A folder that is there is never installed into.
+  expect_message(input_error_of([&] { install_bpy(folder.path()); }),
+                 {folder.path().string(), "does not have Blender 4.5", "not there yet"});
+  EXPECT_TRUE(fs::is_directory(folder.path()));
+  // A module: its Python is asked.
+  fs::create_directories(folder / "module/bin");
+  script(folder, "module/bin/python", "echo Blender 4.5.15 LTS");
+  const Blender module = find_bpy(folder / "module", ShadingModel::kV2);
+  EXPECT_TRUE(module.is_module);
+  EXPECT_EQ(module.version, "4.5.15");
+  expect_message(input_error_of([&] { find_bpy(folder / "module", ShadingModel::kV1); }), {"4.5.15", "3.4"});
+}
+
 TEST(Blender, FailureGivesItsReason) {
   const TemporaryFolder folder;
   write_file_atomically(folder / "scene.json", "{\"format\": \"another\"}");
