@@ -40,7 +40,8 @@ std::string data_of(const StressCaseResult& result, size_t number) {
 }
 
 std::string panel(const StressCaseResult& result, size_t number) {
-  const std::string x = result.stress.log_scale ? "set logscale x\n" : "unset logscale x\n";
+  const std::string x = result.stress.log_scale ? "set logscale x\nset format x '10^{%L}'\n"
+                                                : "unset logscale x\nset format x '%g'\n";
   std::string script = x + "set xlabel " + gnuplot_quoted(result.stress.parameter) + " noenhanced\n";
   script += "unset logscale y\nset ylabel 'light, first of ours = 1'\n";
   script += fmt::format("set title {} noenhanced tc rgb '{}'\n",
@@ -115,7 +116,8 @@ void draw_stress(const std::vector<StressCaseResult>& results, const std::filesy
     script += data_of(results[i], i);
     panels += panel(results[i], i);
   }
-  script += "set grid\nset key top left\nset offsets graph 0.05, graph 0.05, graph 0.15, graph 0.15\n";
+  script +=
+      "set grid\nset key outside right top\nset offsets graph 0.05, graph 0.05, graph 0.15, graph 0.15\n";
   const std::string layout =
       fmt::format("set multiplot layout {},2\n{}unset multiplot\n", results.size(), panels);
   const size_t height = 260 * results.size();
