@@ -69,6 +69,9 @@ void infer_classes(Labeller& labeller, const std::vector<Stroke>& strokes, const
         "there is no skin where a face should be: does the scan stand upright (+Y) and face +Z? If the face "
         "is "
         "covered, mark skin with --strokes");
+  if (labeller.start().found_face && of.faces == areas.size() &&
+      std::count(labels.face_class.begin(), labels.face_class.end(), kHair) == 0)
+    report.warnings.push_back("no face became hair: if the person is not bald, mark hair with --strokes");
   report.warnings.insert(report.warnings.end(), inferred.warnings.begin(), inferred.warnings.end());
 }
 

@@ -140,17 +140,8 @@ TEST(LabelBake, WhereNamesSayNothingTheClassesAreInferredAndThatIsSaid) {
 TEST(LabelBake, OneNameForAWholePersonSaysNothing) {
   TubePerson person;
   make_tube_person(24, 60, person);
-  std::string obj = "mtllib tube.mtl\no body\nusemtl skin\n";
-  for (Vec3f p : person.scan.positions)
-    obj += "v " + std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
-  for (Vec2f uv : person.scan.uvs) obj += "vt " + std::to_string(uv.x) + " " + std::to_string(uv.y) + "\n";
-  for (size_t c = 0; c < person.scan.corners.size(); ++c) {
-    const std::string index = std::to_string(person.scan.corners[c].position + 1);
-    obj += (c % 4 == 0 ? "\nf " : " ") + index + "/" + index;
-  }
   LabelJob job;
-  job.scan = write_bytes(person.folder / "tube.obj", obj + "\n");
-  write_bytes(person.folder / "tube.mtl", "newmtl skin\nmap_Kd tube.png\n");
+  job.scan = write_tube_obj(person, "body");
   job.output = person.folder / "regions";
   const LabelReport report = label_scan(job);
   EXPECT_EQ(report.method, "automatic");
@@ -160,6 +151,19 @@ TEST(LabelBake, OneNameForAWholePersonSaysNothing) {
       compare_with_truth(read_regions(job.output).face_class, person.truth, face_areas(read_scan(job.scan)))
           .accuracy,
       0.95);
+}
+
+TEST(LabelBake, APersonWithoutHairIsSaidToHaveNone) {
+  TubePerson person;
+  make_tube_person(24, 60, person, true);
+  LabelJob job;
+  job.scan = write_tube_obj(person, "atlas");
+  job.automatic = true;
+  job.output = person.folder / "regions";
+  const LabelReport report = label_scan(job);
+  EXPECT_EQ(report.classes[kHair].faces, 0u);
+  ASSERT_EQ(report.warnings.size(), 1u);
+  expect_message(report.warnings[0], {"no face became hair", "--strokes"});
 }
 
 TEST(LabelBake, NamesThatSaySomethingAreKept) {

@@ -21,16 +21,7 @@ struct Conversation {
 
   Conversation() {
     make_tube_person(24, 60, person);
-    std::string obj = "mtllib tube.mtl\nusemtl atlas\n";
-    for (Vec3f p : person.scan.positions)
-      obj += "v " + std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
-    for (Vec2f uv : person.scan.uvs) obj += "vt " + std::to_string(uv.x) + " " + std::to_string(uv.y) + "\n";
-    for (size_t c = 0; c < person.scan.corners.size(); ++c) {
-      const std::string index = std::to_string(person.scan.corners[c].position + 1);
-      obj += (c % 4 == 0 ? "\nf " : " ") + index + "/" + index;
-    }
-    job.scan = write_bytes(person.folder / "tube.obj", obj + "\n");
-    write_bytes(person.folder / "tube.mtl", "newmtl atlas\nmap_Kd tube.png\n");
+    job.scan = write_tube_obj(person, "atlas");
   }
 
   std::vector<Json> answers(const std::string& requests) const {

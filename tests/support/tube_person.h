@@ -7,6 +7,7 @@
 #include "dataset/model/colour.h"
 #include "dataset/model/regions.h"
 #include "dataset/model/scan.h"
+#include "tests/support/scan_files.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -40,8 +41,9 @@ inline Vec3f tube_srgb(MaterialClass material_class, double y_cm) {
   }
 }
 
-/// `around` x `high` quads, rounded at the top; the picture has a grain of +-0.02.
-inline void make_tube_person(int around, int high, TubePerson& person) {
+/// `around` x `high` quads, rounded at the top; the picture has a grain of +-0.02. Bald: hair is painted as
+/// skin.
+inline void make_tube_person(int around, int high, TubePerson& person, bool is_bald = false) {
   constexpr int kWidth_px = 256, kHeight_px = 1024;
   constexpr double kPi = 3.14159265358979;
   Image picture(kWidth_px, kHeight_px, 3);
@@ -49,7 +51,8 @@ inline void make_tube_person(int around, int high, TubePerson& person) {
     for (int x = 0; x < kWidth_px; ++x) {
       const double height = kTubeHeight_cm * (1 - (y + 0.5) / kHeight_px);
       const double angle = 2 * kPi * ((x + 0.5) / kWidth_px - 0.5);
-      const Vec3f colour = tube_srgb(tube_class(angle, height), height);
+      const MaterialClass here = tube_class(angle, height);
+      const Vec3f colour = tube_srgb(is_bald && here == kHair ? kSkin : here, height);
       const float grain = 0.02f * static_cast<float>((x * 7919 + y * 104729) % 101 - 50) / 50;
       for (int c = 0; c < 3; ++c) picture.pixel(x, y)[c] = colour[c] + grain;
     }
@@ -83,6 +86,20 @@ inline void make_tube_person(int around, int high, TubePerson& person) {
       person.truth.push_back(
           tube_class(2 * kPi * ((i + 0.5) / around - 0.5), kTubeHeight_cm * (j + 0.5) / high));
     }
+}
+
+/// The same as tube.obj with tube.mtl in its folder, all of one material.
+inline std::filesystem::path write_tube_obj(const TubePerson& person, const std::string& material) {
+  std::string obj = "mtllib tube.mtl\nusemtl " + material + "\n";
+  for (Vec3f p : person.scan.positions)
+    obj += "v " + std::to_string(p.x) + " " + std::to_string(p.y) + " " + std::to_string(p.z) + "\n";
+  for (Vec2f uv : person.scan.uvs) obj += "vt " + std::to_string(uv.x) + " " + std::to_string(uv.y) + "\n";
+  for (size_t c = 0; c < person.scan.corners.size(); ++c) {
+    const std::string index = std::to_string(person.scan.corners[c].position + 1);
+    obj += (c % 4 == 0 ? "\nf " : " ") + index + "/" + index;
+  }
+  write_bytes(person.folder / "tube.mtl", "newmtl " + material + "\nmap_Kd tube.png\n");
+  return write_bytes(person.folder / "tube.obj", obj + "\n");
 }
 
 }  // namespace ohb
