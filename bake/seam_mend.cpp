@@ -14,6 +14,7 @@ constexpr float kInsideGive[kMendLevels] = {0.1f, 0};
 
 /// Where few of the texels give way they are not moved all the way: a share of what all of them would take.
 constexpr float kDamping = 0.1f;
+constexpr int kFullSweepEvery = 6;
 
 class Mend {
  public:
@@ -30,11 +31,19 @@ class Mend {
   }
 
   void run() {
+    std::vector<uint8_t> has_moved(seams_.size(), 1);
     for (int sweep = 0; sweep < kMendSweeps; ++sweep) {
+      // Edges that agreed are looked at again only now and then: their neighbours may have moved them.
+      const bool is_full = sweep % kFullSweepEvery == 0;
       size_t moved = 0;
-      for (int level = kMendLevels; level-- > 0;)
-        for (const Seam& seam : seams_) moved += mend_edge(seam, level);
-      if (moved == 0) break;
+      for (size_t s = 0; s < seams_.size(); ++s) {
+        if (!is_full && !has_moved[s]) continue;
+        size_t of_edge = 0;
+        for (int level = kMendLevels; level-- > 0;) of_edge += mend_edge(seams_[s], level);
+        has_moved[s] = of_edge > 0;
+        moved += of_edge;
+      }
+      if (is_full && moved == 0) break;
     }
   }
 

@@ -13,10 +13,11 @@ constexpr int kMendLevels = 2;
 constexpr int kMendSweeps = 24;
 
 /// Kaczmarz's method (1937), damped: lookups on the two sides of a seam that differ are each moved half the
-/// way by the smallest change of the texels that they read, the coarse level first, over and over until they
-/// agree within `tolerance` or for kMendSweeps sweeps. The background gives way first; texels inside
-/// triangles (is_inside 1) a tenth as much, at level 0 only. The order is fixed, so are the bits. Normals
-/// stay unit vectors, other values within [0,1]. Gives the greatest change of a texel inside a triangle.
+/// way by the smallest change of the texels that they read, edge by edge, the coarse level first, over and
+/// over until they agree within `tolerance` or for kMendSweeps sweeps. The background gives way first; texels
+/// inside triangles (is_inside 1) a tenth as much, at level 0 only. The order is fixed, so are the bits.
+/// Normals stay unit vectors, other values within [0,1]. Gives the greatest change of a texel inside a
+/// triangle.
 float mend_seams(Image& map, const std::vector<Seam>& seams, const std::vector<uint8_t>& is_inside,
                  MapValues values, float tolerance);
 
