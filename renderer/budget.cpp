@@ -39,31 +39,32 @@ std::vector<double> mean_squares_of(const std::vector<std::vector<SampleLight>>&
 /// Sums over blocks of pixels and, in `pooled`, over each block and its neighbours.
 struct Blocks {
   int across;
-  std::vector<double> variance, pixels;
-  double pooled_deviation(int bx, int by) const {
-    double v = 0, n = 0;
+  std::vector<double> variance, work, pixels;
+  double pooled_share(int bx, int by) const {
+    double v = 0, w = 0;
     for (int y = std::max(0, by - 1); y <= std::min(across - 1, by + 1); ++y)
       for (int x = std::max(0, bx - 1); x <= std::min(across - 1, bx + 1); ++x) {
         v += variance[static_cast<size_t>(y) * across + x];
-        n += pixels[static_cast<size_t>(y) * across + x];
+        w += work[static_cast<size_t>(y) * across + x];
       }
-    return n > 0 ? std::sqrt(v / n) : 0;
+    return w > 0 ? std::sqrt(v / w) : 0;
   }
 };
 
 }  // namespace
 
-std::vector<uint32_t> adaptive_budget(const std::vector<std::vector<SampleLight>>& pilots,
-                                      const std::vector<uint8_t>& seen, int size_px, double mean_spp) {
-  const std::vector<double> mean_squares = mean_squares_of(pilots);
-  Blocks blocks{(size_px + kBlock_px - 1) / kBlock_px, {}, {}};
+std::vector<uint32_t> adaptive_budget(const Pilots& pilots, const std::vector<uint8_t>& seen, int size_px,
+                                      double mean_spp) {
+  const std::vector<double> mean_squares = mean_squares_of(pilots.images);
+  Blocks blocks{(size_px + kBlock_px - 1) / kBlock_px, {}, {}, {}};
   blocks.variance.assign(static_cast<size_t>(blocks.across) * blocks.across, 0);
-  blocks.pixels = blocks.variance;
+  blocks.work = blocks.pixels = blocks.variance;
   for (int y = 0; y < size_px; ++y)
     for (int x = 0; x < size_px; ++x) {
       if (!seen[static_cast<size_t>(y) * size_px + x]) continue;
       const size_t block = static_cast<size_t>(y / kBlock_px) * blocks.across + x / kBlock_px;
-      blocks.variance[block] += variance_at(pilots, mean_squares, x, y);
+      blocks.variance[block] += variance_at(pilots.images, mean_squares, x, y);
+      blocks.work[block] += pilots.work.empty() ? 1 : pilots.work[static_cast<size_t>(y) * size_px + x];
       blocks.pixels[block] += 1;
     }
   std::vector<double> share(blocks.variance.size());
@@ -71,7 +72,7 @@ std::vector<uint32_t> adaptive_budget(const std::vector<std::vector<SampleLight>
   for (int by = 0; by < blocks.across; ++by)
     for (int bx = 0; bx < blocks.across; ++bx) {
       const size_t block = static_cast<size_t>(by) * blocks.across + bx;
-      share[block] = blocks.pooled_deviation(bx, by);
+      share[block] = blocks.pooled_share(bx, by);
       sum += share[block] * blocks.pixels[block];
       pixels += blocks.pixels[block];
     }

@@ -8,13 +8,18 @@
 
 namespace ohb {
 
+/// Independent images of the same number of paths a seen pixel, and what they took.
+struct Pilots {
+  std::vector<std::vector<SampleLight>> images;  // [image][light]
+  std::vector<float> work;                       // of each pixel, in any unit; empty: the same for all
+};
+
 /// Paths of each pixel of a square image so that the sum is about mean_spp times the seen pixels and the mean
-/// squared error is least: in proportion to the standard deviation of one path (Neyman 1934), which
-/// independent pilot images of the same number of paths estimate, pooled over blocks of 4 x 4 pixels and
+/// squared error is least for the work: in proportion to the standard deviation of one path over the root of
+/// its cost (Neyman 1934, with costs), which the pilots estimate, pooled over blocks of 4 x 4 pixels and
 /// their eight neighbours. Several lights count by their relative variance. No seen pixel gets less than a
-/// quarter of the mean: a pilot may have missed what is rare. `pilots` are [image][light]; `seen` as of
-/// footprint().
-std::vector<uint32_t> adaptive_budget(const std::vector<std::vector<SampleLight>>& pilots,
-                                      const std::vector<uint8_t>& seen, int size_px, double mean_spp);
+/// quarter of the mean: a pilot may have missed what is rare. `seen` as of footprint().
+std::vector<uint32_t> adaptive_budget(const Pilots& pilots, const std::vector<uint8_t>& seen, int size_px,
+                                      double mean_spp);
 
 }  // namespace ohb

@@ -17,6 +17,7 @@ struct Ray {
 struct RayCounts {
   uint64_t closest_hit = 0, shadow = 0;
   uint64_t walks = 0, walk_segments = 0, walk_leaks = 0;
+  uint64_t total() const { return closest_hit + shadow + walk_segments; }
   std::vector<RecordedRay>* record = nullptr;
 };
 

@@ -72,6 +72,32 @@ class EnvironmentLight {
   std::vector<PiecewiseConstant> columns_;  // one a row
 };
 
+/// A direction that an environment suggested, in the subject's frame.
+struct LightCandidate {
+  Vec3f wi, radiance;
+  float pdf = 0;  // in solid angle; 0: none
+};
+
+/// Directions of an environment drawn in advance, one in each cell of a grid over [0, 1)^2, for many paths to
+/// choose from: a lookup in the cache instead of several in the map. Whoever chooses a cell evenly and
+/// without looking gets a direction of density pdf, so that each path's estimate stays unbiased; paths that
+/// share a pool are correlated.
+class LightPool {
+ public:
+  /// A grid of 2^columns_log2 x 2^rows_log2; `turn_rad` turns the subject. A function of its arguments.
+  void fill(const EnvironmentLight& light, double turn_rad, int columns_log2, int rows_log2, uint64_t key);
+  /// The candidate of the cell that u in [0, 1)^2 falls in.
+  const LightCandidate& at(Vec2f u) const {
+    const auto x = static_cast<uint32_t>(u.x * columns_), y = static_cast<uint32_t>(u.y * rows_);
+    return candidates_[(y << columns_log2_) + x];
+  }
+
+ private:
+  std::vector<LightCandidate> candidates_;
+  float columns_ = 0, rows_ = 0;
+  int columns_log2_ = 0;
+};
+
 class LightSet {
  public:
   std::vector<EnvironmentLight> environments;

@@ -13,10 +13,13 @@
 namespace ohb {
 
 constexpr int kCandidates = 4;               // directions of an environment that compete for a shadow ray
+constexpr int kWalks = 4;                    // under the surface that the camera sees
 constexpr float kLatticeStep = 0.61803399f;  // golden section: a lattice of any size is even
 constexpr int kRouletteFromBounce = 2;       // Cycles: the continuation test starts at the third surface
 
-struct TileResult {
+/// What the paths of one tile share, and what they did.
+struct Tile {
+  std::vector<LightPool> pools;  // one an environment
   RayCounts rays;
   uint64_t paths = 0;
   uint64_t nonfinite = 0;
@@ -32,47 +35,49 @@ struct PathContext {
   bool subsurface;
 
   Vec3f to_world(Vec3f v) const { return {dot(v, turn_x), v.y, dot(v, turn_z)}; }
-  Vec3f to_subject(Vec3f v) const { return v.x * turn_x + Vec3f{0, v.y, 0} + v.z * turn_z; }
 };
 
 inline float fraction_of(float x) {
   return x - std::floor(x);
 }
 
-inline void add(Vec3f contribution, Vec3f& sum, TileResult& tile) {
+inline void add(Vec3f contribution, Vec3f& sum, Tile& tile) {
   if (is_finite(contribution))
     sum += contribution;
   else
     ++tile.nonfinite;
 }
 
+/// Point k of a lattice of n that is shifted by u.
+inline Vec2f lattice_point(Vec2f u, int k, int n) {
+  const float kf = static_cast<float>(k);
+  return {fraction_of(u.x + kf / static_cast<float>(n)), fraction_of(u.y + kf * kLatticeStep)};
+}
+
 /// One shadow ray to one of several directions that the environment suggests, chosen by what each would
 /// bring if it is not shadowed (resampled importance sampling, Talbot et al. 2005, equation 6). The
 /// candidates are a lattice shifted by u, so that they spread over the light.
 template <bool kCutouts, class Bsdf>
-void sample_environment(const PathContext& c, const EnvironmentLight& light, const SurfacePoint& point,
-                        const Bsdf& bsdf, Vec3f throughput, Vec2f u, float u_choice, TileResult& tile,
+void sample_environment(const PathContext& c, const LightPool& pool, const SurfacePoint& point,
+                        const Bsdf& bsdf, Vec3f throughput, Vec2f u, float u_choice, Tile& tile,
                         Vec3f& radiance) {
   float sum = 0;
   Vec3f chosen_wi, chosen_value;
   float chosen_weight = 0;
   for (int k = 0; k < kCandidates; ++k) {
-    const float kf = static_cast<float>(k);
-    const LightSample sample = light.sample(fraction_of(u.x + kf / static_cast<float>(kCandidates)),
-                                            fraction_of(u.y + kf * kLatticeStep));
-    if (!(sample.pdf > 0) || !(max_component(sample.radiance) > 0)) continue;
-    const Vec3f wi = c.to_subject(sample.wi);
-    const BsdfValue f = bsdf.eval(wi);
+    const LightCandidate& candidate = pool.at(lattice_point(u, k, kCandidates));
+    if (!(candidate.pdf > 0)) continue;
+    const BsdfValue f = bsdf.eval(candidate.wi);
     if (!(max_component(f.value) > 0)) continue;
     const Vec3f value =
-        throughput * f.value * sample.radiance * (power_heuristic(sample.pdf, f.pdf) / sample.pdf);
+        throughput * f.value * candidate.radiance * (power_heuristic(candidate.pdf, f.pdf) / candidate.pdf);
     const float weight = mean(value);
     sum += weight;
     // The choice stays uniform after each candidate: one number serves all.
     const float share = weight / sum;
     if (u_choice < share) {
       u_choice /= share;
-      chosen_wi = wi;
+      chosen_wi = candidate.wi;
       chosen_value = value;
       chosen_weight = weight;
     } else {
@@ -89,13 +94,10 @@ void sample_environment(const PathContext& c, const EnvironmentLight& light, con
 
 template <bool kCutouts, class Bsdf>
 void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, Vec3f throughput,
-                   PathSampler& sampler, TileResult& tile, std::vector<Vec3f>& radiance) {
+                   Vec2f u, float u_choice, Tile& tile, std::vector<Vec3f>& radiance) {
   // One set of numbers for all lights: each light's image is unbiased by itself.
-  const Vec2f u = sampler.next_pair();
-  const float u_choice = sampler.random.next();
   for (size_t l = 0; l < c.lights.environments.size(); ++l)
-    sample_environment<kCutouts>(c, c.lights.environments[l], point, bsdf, throughput, u, u_choice, tile,
-                                 radiance[l]);
+    sample_environment<kCutouts>(c, tile.pools[l], point, bsdf, throughput, u, u_choice, tile, radiance[l]);
   for (size_t i = 0; i < c.lights.points.size(); ++i) {
     const PointLight& light = c.lights.points[i];
     const Vec3f to_light = turn_about_y(light.position_cm, -c.turn_rad) - point.position;
@@ -113,7 +115,7 @@ void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& 
 }
 
 inline void add_environments(const PathContext& c, Vec3f direction, float bsdf_pdf, Vec3f throughput,
-                             TileResult& tile, std::vector<Vec3f>& radiance) {
+                             Tile& tile, std::vector<Vec3f>& radiance) {
   const Vec3f world = c.to_world(direction);
   for (size_t l = 0; l < c.lights.environments.size(); ++l) {
     const EnvironmentLight& light = c.lights.environments[l];
@@ -143,29 +145,45 @@ inline bool bounce_off(const PathContext& c, const SurfacePoint& point, const Bs
   return true;
 }
 
-/// Under the surface and out again, where the lights are asked; false if the path ends in between.
+/// Where a walk goes under the surface, and where it goes on from its exit.
+struct WalkNumbers {
+  Vec2f entry, light, direction;
+  explicit WalkNumbers(PathSampler& sampler)
+      : entry(sampler.next_pair()), light(sampler.next_pair()), direction(sampler.next_pair()) {}
+};
+
+/// Under the surface and out again, where the lights are asked; false if the path ends in between. Walk k of
+/// n shares its numbers with the others: a lattice, so that they spread.
 template <bool kCutouts, class Bsdf>
 bool walk(const PathContext& c, const SurfacePoint& entry, const Bsdf& entry_bsdf, uint32_t triangle,
-          PathSampler& sampler, TileResult& tile, std::vector<Vec3f>& radiance, PathState& state) {
-  const Vec3f inwards = entry_bsdf.entry_direction(sampler.next_pair());
+          const WalkNumbers& numbers, int k, int n, Random& random, Tile& tile, std::vector<Vec3f>& radiance,
+          PathState& state) {
+  const Vec3f inwards = entry_bsdf.entry_direction(lattice_point(numbers.entry, k, n));
   WalkExit exit;
-  if (!walk_under_surface<kCutouts>(c.scene, entry, triangle, entry_bsdf.entry_axis(), inwards,
-                                    sampler.random, tile.rays, exit))
+  if (!walk_under_surface<kCutouts>(c.scene, entry, triangle, entry_bsdf.entry_axis(), inwards, random,
+                                    tile.rays, exit))
     return false;
   state.throughput *= entry_bsdf.entry_weight() * exit.weight;
   const SurfacePoint point = surface_at(c.scene, exit.hit, exit.direction);
   const Bsdf bsdf = exit_bsdf_at<Bsdf>(point, exit.direction);
-  sample_lights<kCutouts>(c, point, bsdf, state.throughput, sampler, tile, radiance);
-  const Vec2f u = sampler.next_pair();
+  sample_lights<kCutouts>(c, point, bsdf, state.throughput, lattice_point(numbers.light, k, n), random.next(),
+                          tile, radiance);
+  const Vec2f u = lattice_point(numbers.direction, k, n);
   return bounce_off(c, point, bsdf.sample(0, u.x, u.y), state);
 }
 
+/// Paths that left the skin which the camera sees and still have a way to go.
+struct Walked {
+  PathState states[kWalks];
+  int count = 0;
+};
+
 /// One surface: false if the path ends there. At the first, the walk under it does not compete with the
-/// reflection: both are followed, the walk from `walked` on. That costs a walk more in one path of four and
-/// takes the noise of the choice away.
+/// reflection: this is followed, and several walks are, from `walked` on. They share the way to the surface,
+/// and skin is where the noise is.
 template <bool kCutouts, class Bsdf>
-bool advance(const PathContext& c, PathState& state, PathState& walked, bool& has_walked,
-             PathSampler& sampler, TileResult& tile, std::vector<Vec3f>& radiance) {
+bool advance(const PathContext& c, PathState& state, Walked& walked, PathSampler& sampler, Tile& tile,
+             std::vector<Vec3f>& radiance) {
   Hit hit;
   if (!intersect<kCutouts>(c.scene, state.ray, sampler.random, tile.rays, hit)) {
     // The camera sees no background: it is transparent.
@@ -186,41 +204,48 @@ bool advance(const PathContext& c, PathState& state, PathState& walked, bool& ha
     under = state.diffuse_ancestor ? UnderSurface::kDiffuse : UnderSurface::kWalk;
   const Bsdf bsdf = bsdf_at<Bsdf>(point, wo, state.bounce == 0, under);
   if (bsdf.is_black()) return false;
-  sample_lights<kCutouts>(c, point, bsdf, state.throughput, sampler, tile, radiance);
+  const Vec2f u_light = sampler.next_pair();
+  sample_lights<kCutouts>(c, point, bsdf, state.throughput, u_light, sampler.random.next(), tile, radiance);
   const float u_lobe = sampler.next_pair().x;
   const Vec2f u = sampler.next_pair();
   const BsdfSample next = bsdf.sample(u_lobe, u.x, u.y);
   if (under == UnderSurface::kWalk && state.bounce == 0) {
-    walked = state;
-    has_walked = walk<kCutouts>(c, point, bsdf, hit.triangle, sampler, tile, radiance, walked);
+    const WalkNumbers numbers(sampler);
+    for (int k = 0; k < kWalks; ++k) {
+      PathState& one = walked.states[walked.count];
+      one = state;
+      one.throughput *= 1.0f / kWalks;
+      walked.count += walk<kCutouts>(c, point, bsdf, hit.triangle, numbers, k, kWalks, sampler.random, tile,
+                                     radiance, one);
+    }
     return !next.enters && bounce_off(c, point, next, state);
   }
   if (next.enters) {
     // The walk's medium has the colour: the lobe's weight is only its share.
     state.throughput *= 1 / next.pdf;
-    return walk<kCutouts>(c, point, bsdf, hit.triangle, sampler, tile, radiance, state);
+    return walk<kCutouts>(c, point, bsdf, hit.triangle, WalkNumbers(sampler), 0, 1, sampler.random, tile,
+                          radiance, state);
   }
   return bounce_off(c, point, next, state);
 }
 
 template <bool kCutouts, class Bsdf>
-void trace_path(const PathContext& c, const Ray& camera_ray, PathSampler& sampler, TileResult& tile,
+void trace_path(const PathContext& c, const Ray& camera_ray, PathSampler& sampler, Tile& tile,
                 std::vector<Vec3f>& radiance) {
-  PathState state, walked;
+  PathState state;
+  Walked walked;
   state.ray = camera_ray;
-  bool has_walked = false;
   while (true) {
-    if (advance<kCutouts, Bsdf>(c, state, walked, has_walked, sampler, tile, radiance)) continue;
-    if (!has_walked) return;
-    state = walked;
-    has_walked = false;
+    if (advance<kCutouts, Bsdf>(c, state, walked, sampler, tile, radiance)) continue;
+    if (walked.count == 0) return;
+    state = walked.states[--walked.count];
   }
 }
 
 // Compiled apart, in path_tracer_v2.cpp: in one unit the compiler inlines less of each model.
-extern template void trace_path<false, PrincipledV2>(const PathContext&, const Ray&, PathSampler&,
-                                                     TileResult&, std::vector<Vec3f>&);
-extern template void trace_path<true, PrincipledV2>(const PathContext&, const Ray&, PathSampler&, TileResult&,
+extern template void trace_path<false, PrincipledV2>(const PathContext&, const Ray&, PathSampler&, Tile&,
+                                                     std::vector<Vec3f>&);
+extern template void trace_path<true, PrincipledV2>(const PathContext&, const Ray&, PathSampler&, Tile&,
                                                     std::vector<Vec3f>&);
 
 }  // namespace ohb

@@ -107,7 +107,7 @@ class ErrorRender {
     return result;
   }
 
-  Forecast forecast_of(const std::vector<std::vector<SampleLight>>& pilots, int pilot_spp) const {
+  Forecast forecast_of(const Pilots& pilots, int pilot_spp) const {
     Forecast result;
     if (picture_.settings.adaptive) {
       const std::vector<uint32_t> budget =
@@ -118,7 +118,7 @@ class ErrorRender {
     }
     for (size_t pixel = 0; pixel < result.paths.size(); ++pixel)
       if (regions_.of[pixel].empty()) result.paths[pixel] = 0;  // outside the crop
-    const PilotValues values(pilots, pilot_spp);
+    const PilotValues values(pilots.images, pilot_spp);
     const auto regions_at = [&] {
       return sum_regions(regions_, light_count_, [&](size_t l, size_t i) {
         const RegionSums one = values(l, i);

@@ -3,8 +3,10 @@
 #include <pmmintrin.h>
 #include <xmmintrin.h>
 
+#include <algorithm>
 #include <atomic>
 #include <mutex>
+#include <utility>
 
 #include "renderer/footprint.h"
 #include "renderer/parallel.h"
@@ -13,47 +15,102 @@ namespace ohb {
 namespace {
 
 constexpr int kTile_px = 16;
-constexpr uint64_t kPilotSeeds = 0x70696c6f74ull;
+constexpr float kWorkOfPath = 2;  // in rays with what is shaded at their ends
+constexpr uint64_t kPilotSeeds = 0x70696c6f74ull, kPoolSeeds = 0x706f6f6cull;
+
+/// Consecutive samples that share a pool of light candidates: 1, 1, 2, 4, ... 64, 64, ... of them, whatever
+/// budget they belong to.
+struct PoolBlock {
+  uint32_t first, end;
+  int log2;  // 2^log2 candidates
+  static PoolBlock of(uint32_t sample) {
+    if (sample == 0) return {0, 1, kPoolLog2};
+    if (sample >= kLargest) return {sample & ~(kLargest - 1), (sample | (kLargest - 1)) + 1, kPoolLog2 + 6};
+    const int bits = 31 - __builtin_clz(sample);
+    return {1u << bits, 2u << bits, kPoolLog2 + bits};
+  }
+  static constexpr uint32_t kLargest = 64;
+  static constexpr int kPoolLog2 = 6;  // candidates a sample: a tile of 256 pixels asks for some 2500
+};
+
+/// Pixels of one tile: aligned to the image, so that a crop does not change who shares a pool.
+struct TileBox {
+  PixelBox pixels;
+  uint64_t number;
+};
 
 template <bool kCutouts, class Bsdf>
-TileResult render_tile(const Picture& picture, const PathRange& paths,
-                       const tbb::blocked_range2d<int>& tile_range, std::vector<SampleLight>& images,
-                       std::vector<RecordedRay>* record) {
-  TileResult tile;
+Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& box,
+                 std::vector<SampleLight>& images, std::vector<float>* work,
+                 std::vector<RecordedRay>* record) {
+  Tile tile;
   tile.rays.record = record;
-  std::vector<Vec3f> radiance(images.size());
-  for (int y = tile_range.rows().begin(); y < tile_range.rows().end(); ++y)
-    for (int x = tile_range.cols().begin(); x < tile_range.cols().end(); ++x) {
-      const size_t pixel = static_cast<size_t>(y) * picture.settings.size_px + x;
-      const uint32_t count = paths.count[pixel];
-      if (count == 0) continue;
-      const uint32_t first = paths.first ? (*paths.first)[pixel] : 0;
-      std::fill(radiance.begin(), radiance.end(), Vec3f{});
-      for (uint32_t s = first; s < first + count; ++s) {
+  const PixelBox& px = box.pixels;
+  const size_t lights = images.size();
+  std::vector<Vec3f> sums(static_cast<size_t>(px.x1 - px.x0) * (px.y1 - px.y0) * lights), radiance(lights);
+  const auto range_of = [&](int x, int y) {
+    const size_t pixel = static_cast<size_t>(y) * picture.settings.size_px + x;
+    const uint32_t first = paths.first ? (*paths.first)[pixel] : 0;
+    return std::pair<uint32_t, uint32_t>(first, first + paths.count[pixel]);
+  };
+  const auto each_pixel = [&](const auto& act) {
+    size_t i = 0;
+    for (int y = px.y0; y < px.y1; ++y)
+      for (int x = px.x0; x < px.x1; ++x, i += lights) act(x, y, &sums[i]);
+  };
+  uint32_t next = ~0u, end = 0;
+  each_pixel([&](int x, int y, Vec3f*) {
+    const auto [first, last] = range_of(x, y);
+    if (first < last) next = std::min(next, first), end = std::max(end, last);
+  });
+  while (next < end) {
+    const PoolBlock block = PoolBlock::of(next);
+    tile.pools.resize(picture.context.lights.environments.size());
+    for (size_t l = 0; l < tile.pools.size(); ++l)
+      tile.pools[l].fill(picture.context.lights.environments[l], picture.context.turn_rad,
+                         (block.log2 + 1) / 2, block.log2 / 2,
+                         mix_bits(mix_bits(paths.seed ^ kPoolSeeds) + box.number) + block.first);
+    each_pixel([&](int x, int y, Vec3f* sum) {
+      const auto [first, last] = range_of(x, y);
+      const uint64_t pixel = static_cast<uint64_t>(y) * picture.settings.size_px + x;
+      const uint64_t rays_before = tile.rays.total();
+      for (uint32_t s = std::max(first, block.first); s < std::min(last, block.end); ++s) {
         PathSampler sampler(paths.seed, pixel, s);
         const Vec2f jitter = sampler.next_pair();
         const bool centre = s == 0 && picture.settings.first_sample_at_centre;
         const Ray ray = picture.view.ray(static_cast<float>(x) + (centre ? 0.5f : jitter.x),
                                          static_cast<float>(y) + (centre ? 0.5f : jitter.y));
+        std::fill(radiance.begin(), radiance.end(), Vec3f{});
         trace_path<kCutouts, Bsdf>(picture.context, ray, sampler, tile, radiance);
+        for (size_t l = 0; l < lights; ++l) sum[l] += radiance[l];
       }
-      tile.paths += count;
-      for (size_t l = 0; l < radiance.size(); ++l) {
-        float* out = images[l].radiance.pixel(x, y);
-        const Vec3f mean_radiance = radiance[l] / static_cast<float>(count);
-        out[0] = mean_radiance.x, out[1] = mean_radiance.y, out[2] = mean_radiance.z;
-      }
+      if (work) (*work)[pixel] += static_cast<float>(tile.rays.total() - rays_before);
+    });
+    next = block.end;
+  }
+  each_pixel([&](int x, int y, const Vec3f* sum) {
+    const auto [first, last] = range_of(x, y);
+    tile.paths += last - first;
+    if (work)
+      (*work)[static_cast<size_t>(y) * picture.settings.size_px + x] +=
+          kWorkOfPath * static_cast<float>(last - first);
+    for (size_t l = 0; l < lights && first < last; ++l) {
+      float* out = images[l].radiance.pixel(x, y);
+      const Vec3f mean_radiance = sum[l] / static_cast<float>(last - first);
+      out[0] = mean_radiance.x, out[1] = mean_radiance.y, out[2] = mean_radiance.z;
     }
+  });
   return tile;
 }
 
-TileResult render_tile(const Picture& picture, const PathRange& paths, const tbb::blocked_range2d<int>& range,
-                       std::vector<SampleLight>& images, std::vector<RecordedRay>* record) {
+Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& box,
+                 std::vector<SampleLight>& images, std::vector<float>* work,
+                 std::vector<RecordedRay>* record) {
   const bool cutouts = picture.context.scene.cutout != nullptr;
   const auto render = picture.settings.shading == ShadingModel::kV1
                           ? (cutouts ? render_tile<true, PrincipledV1> : render_tile<false, PrincipledV1>)
                           : (cutouts ? render_tile<true, PrincipledV2> : render_tile<false, PrincipledV2>);
-  return render(picture, paths, range, images, record);
+  return render(picture, paths, box, images, work, record);
 }
 
 std::vector<SampleLight> black_images(const LightSet& lights, int size_px) {
@@ -62,6 +119,16 @@ std::vector<SampleLight> black_images(const LightSet& lights, int size_px) {
     images.push_back({light.name(), Image(size_px, size_px, 3)});
   for (const PointLight& light : lights.points) images.push_back({light.name, Image(size_px, size_px, 3)});
   return images;
+}
+
+std::vector<TileBox> tiles_of(const PixelBox& box) {
+  std::vector<TileBox> tiles;
+  for (int y = box.y0 / kTile_px * kTile_px; y < box.y1; y += kTile_px)
+    for (int x = box.x0 / kTile_px * kTile_px; x < box.x1; x += kTile_px)
+      tiles.push_back({{std::max(x, box.x0), std::max(y, box.y0), std::min(x + kTile_px, box.x1),
+                        std::min(y + kTile_px, box.y1)},
+                       static_cast<uint64_t>(y) << 32 | static_cast<uint64_t>(x)});
+  return tiles;
 }
 
 }  // namespace
@@ -89,19 +156,20 @@ std::vector<uint32_t> Picture::even_budget(int spp) const {
 }
 
 std::vector<SampleLight> render_round(const Picture& picture, const PathRange& paths,
-                                      RenderStatistics& statistics, const PixelsDone& done) {
+                                      RenderStatistics& statistics, const PixelsDone& done,
+                                      std::vector<float>* work) {
   std::vector<SampleLight> images = black_images(picture.context.lights, picture.settings.size_px);
   std::mutex record_mutex;
   std::atomic<uint64_t> path_count{0}, closest_hit{0}, shadow{0}, walks{0}, walk_segments{0}, leaks{0},
       nonfinite{0};
-  const PixelBox& box = picture.box;
-  parallel_tiles(box.y0, box.y1, box.x0, box.x1, kTile_px, [&](const tbb::blocked_range2d<int>& range) {
+  const std::vector<TileBox> tiles = tiles_of(picture.box);
+  parallel_for_each(0, static_cast<int>(tiles.size()), [&](int t) {
     // Embree is slow on denormals; no radiance that small is visible.
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
     std::vector<RecordedRay> recorded;
     std::vector<RecordedRay>* record = statistics.record ? &recorded : nullptr;
-    const TileResult tile = render_tile(picture, paths, range, images, record);
+    const Tile tile = render_tile(picture, paths, tiles[static_cast<size_t>(t)], images, work, record);
     if (record) {
       const std::lock_guard<std::mutex> lock(record_mutex);
       statistics.record->insert(statistics.record->end(), recorded.begin(), recorded.end());
@@ -113,7 +181,8 @@ std::vector<SampleLight> render_round(const Picture& picture, const PathRange& p
     walk_segments += tile.rays.walk_segments;
     leaks += tile.rays.walk_leaks;
     nonfinite += tile.nonfinite;
-    if (done) done(range.rows().size() * range.cols().size());
+    const PixelBox& px = tiles[static_cast<size_t>(t)].pixels;
+    if (done) done(static_cast<size_t>(px.x1 - px.x0) * (px.y1 - px.y0));
   });
   statistics.paths += path_count;
   statistics.closest_hit_rays += closest_hit;
@@ -125,13 +194,14 @@ std::vector<SampleLight> render_round(const Picture& picture, const PathRange& p
   return images;
 }
 
-std::vector<std::vector<SampleLight>> render_pilots(const Picture& picture, int images, int spp,
-                                                    RenderStatistics& statistics, const PixelsDone& done) {
+Pilots render_pilots(const Picture& picture, int images, int spp, RenderStatistics& statistics,
+                     const PixelsDone& done) {
   const std::vector<uint32_t> budget = picture.even_budget(spp);
-  std::vector<std::vector<SampleLight>> pilots;
+  Pilots pilots;
+  pilots.work.assign(budget.size(), 0);
   for (int k = 0; k < images; ++k) {
     const uint64_t seed = mix_bits(picture.settings.seed ^ (kPilotSeeds + static_cast<uint64_t>(k)));
-    pilots.push_back(render_round(picture, {seed, budget}, statistics, done));
+    pilots.images.push_back(render_round(picture, {seed, budget}, statistics, done, &pilots.work));
   }
   return pilots;
 }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "renderer/budget.h"
 #include "renderer/path_tracer.h"
 
 namespace ohb {
@@ -30,13 +31,15 @@ struct PathRange {
   const std::vector<uint32_t>* first = nullptr;  // null: 0
 };
 
-/// Mean radiance of each pixel's paths; a pixel of count 0, or outside the box, stays black.
+/// Mean radiance of each pixel's paths; a pixel of count 0, or outside the box, stays black. If `work` is set
+/// (as many values as pixels), what the paths of each took is added there: their number and their rays.
 std::vector<SampleLight> render_round(const Picture& picture, const PathRange& paths,
-                                      RenderStatistics& statistics, const PixelsDone& done);
+                                      RenderStatistics& statistics, const PixelsDone& done,
+                                      std::vector<float>* work = nullptr);
 
 /// Independent images of `spp` paths a seen pixel, from seeds that nothing else uses: what they tell may
 /// decide how later paths are spent without biasing those.
-std::vector<std::vector<SampleLight>> render_pilots(const Picture& picture, int images, int spp,
-                                                    RenderStatistics& statistics, const PixelsDone& done);
+Pilots render_pilots(const Picture& picture, int images, int spp, RenderStatistics& statistics,
+                     const PixelsDone& done);
 
 }  // namespace ohb

@@ -16,8 +16,8 @@ namespace {
 
 /// Pilots of one light whose noise is `deviation(x, y)` about 1.
 template <typename Deviation>
-std::vector<std::vector<SampleLight>> noisy_pilots(int size_px, const Deviation& deviation) {
-  std::vector<std::vector<SampleLight>> pilots;
+Pilots noisy_pilots(int size_px, const Deviation& deviation) {
+  Pilots pilots;
   Random random(1, 2, 3);
   for (int k = 0; k < 4; ++k) {
     Image image(size_px, size_px, 3);
@@ -26,7 +26,7 @@ std::vector<std::vector<SampleLight>> noisy_pilots(int size_px, const Deviation&
         for (int c = 0; c < 3; ++c)
           image.pixel(x, y)[c] =
               1 + deviation(x, y) * 3.4641f * (random.next() - 0.5f);  // uniform, of that standard deviation
-    pilots.push_back({{"light", image}});
+    pilots.images.push_back({{"light", image}});
   }
   return pilots;
 }
