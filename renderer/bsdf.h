@@ -33,7 +33,7 @@ inline float eta_of_f0(float f0) {
 
 /// Smith's masking of one direction with cosine c for isotropic GGX.
 inline float ggx_g1(float c, float alpha2) {
-  return 2 / (1 + std::sqrt(1 + alpha2 * std::fmax(0.0f, 1 - c * c) / (c * c)));
+  return 2 / (1 + std::sqrt(1 + alpha2 * std::max(0.0f, 1 - c * c) / (c * c)));
 }
 
 /// What light does that is not mirrored at the surface.

@@ -15,7 +15,7 @@ namespace ohb {
 
 /// Lambda of Smith's masking for isotropic GGX: G1 = 1 / (1 + lambda).
 inline float ggx_lambda(float c, float alpha2) {
-  return 0.5f * (std::sqrt(1 + alpha2 * std::fmax(0.0f, 1 / (c * c) - 1)) - 1);
+  return 0.5f * (std::sqrt(1 + alpha2 * std::max(0.0f, 1 / (c * c) - 1)) - 1);
 }
 
 class PrincipledV2 {
@@ -107,7 +107,7 @@ class PrincipledV2 {
     if (!(cos_o_ > 0)) return {};
     const Vec3f h = frame.to_world(sample_ggx_visible_normal(frame.to_local(wo_), 1, 2 * u.x - 1, u.y));
     const float c = dot(h, wo_), inverse = 1 / cycles::kSkinEntryEta;
-    const float cos_t = std::sqrt(std::fmax(0.0f, 1 - inverse * inverse * (1 - c * c)));
+    const float cos_t = std::sqrt(std::max(0.0f, 1 - inverse * inverse * (1 - c * c)));
     return (inverse * c - cos_t) * h - inverse * wo_;
   }
 

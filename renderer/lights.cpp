@@ -60,7 +60,12 @@ EnvironmentLight::EnvironmentLight(const Environment& environment)
   for (Texel& texel : texels_) texel.density *= static_cast<float>(scale);
 }
 
-EnvironmentValue EnvironmentLight::lookup(Vec2f uv, float sin_theta) const {
+MapPlace map_place(Vec3f direction) {
+  return {environment_uv(direction), std::sqrt(direction.x * direction.x + direction.z * direction.z)};
+}
+
+EnvironmentValue EnvironmentLight::at(MapPlace place) const {
+  const Vec2f uv = place.uv;
   const float x = uv.x * static_cast<float>(width_px_) - 0.5f,
               y = uv.y * static_cast<float>(height_px_) - 0.5f;
   const float x0f = std::floor(x), y0f = std::floor(y);
@@ -83,12 +88,8 @@ EnvironmentValue EnvironmentLight::lookup(Vec2f uv, float sin_theta) const {
   gather(row0[x1], fx * (1 - fy));
   gather(row1[x0], (1 - fx) * fy);
   gather(row1[x1], fx * fy);
-  value.pdf /= std::fmax(sin_theta, 1e-6f);
+  value.pdf /= std::max(place.sin_theta, 1e-6f);
   return value;
-}
-
-EnvironmentValue EnvironmentLight::at(Vec3f direction) const {
-  return lookup(environment_uv(direction), std::hypot(direction.x, direction.z));
 }
 
 LightSample EnvironmentLight::sample(float u1, float u2) const {
@@ -102,7 +103,7 @@ LightSample EnvironmentLight::sample(float u1, float u2) const {
   LightSample sample;
   const SineCosine phi = sine_cosine_of_turns(uv.x - 0.5f), theta = sine_cosine_of_turns(0.5f * uv.y);
   sample.wi = {theta.sine * phi.cosine, theta.cosine, theta.sine * phi.sine};  // environment_direction(uv)
-  const EnvironmentValue value = lookup(uv, theta.sine);
+  const EnvironmentValue value = at(MapPlace{uv, theta.sine});
   sample.pdf = value.pdf;
   sample.radiance = value.radiance;
   return sample;

@@ -40,6 +40,13 @@ struct LightSample {
   float pdf = 0;  // in solid angle; 0: none
 };
 
+/// Where latitude-longitude maps hold a direction: one place for all lights.
+struct MapPlace {
+  Vec2f uv;
+  float sin_theta;  // of the polar angle
+};
+MapPlace map_place(Vec3f direction);
+
 /// What an environment sends from one direction, and how likely `sample` goes there (in solid angle).
 struct EnvironmentValue {
   Vec3f radiance;
@@ -54,7 +61,8 @@ class EnvironmentLight {
   explicit EnvironmentLight(const Environment& environment);
 
   /// Radiance and pdf of a unit direction, world frame: one gather of four texels.
-  EnvironmentValue at(Vec3f direction) const;
+  EnvironmentValue at(Vec3f direction) const { return at(map_place(direction)); }
+  EnvironmentValue at(MapPlace place) const;
   LightSample sample(float u1, float u2) const;
   const std::string& name() const { return name_; }
 
@@ -63,8 +71,6 @@ class EnvironmentLight {
     Vec3f radiance;
     float density;  // of `sample` in solid angle, times the sine of the direction's polar angle
   };
-  EnvironmentValue lookup(Vec2f uv, float sin_theta) const;
-
   std::string name_;
   int width_px_, height_px_;
   std::vector<Texel> texels_;

@@ -116,10 +116,10 @@ void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& 
 
 inline void add_environments(const PathContext& c, Vec3f direction, float bsdf_pdf, Vec3f throughput,
                              Tile& tile, std::vector<Vec3f>& radiance) {
-  const Vec3f world = c.to_world(direction);
+  const MapPlace place = map_place(c.to_world(direction));
   for (size_t l = 0; l < c.lights.environments.size(); ++l) {
     const EnvironmentLight& light = c.lights.environments[l];
-    const EnvironmentValue value = light.at(world);
+    const EnvironmentValue value = light.at(place);
     add(throughput * value.radiance * power_heuristic(bsdf_pdf, value.pdf), radiance[l], tile);
   }
 }

@@ -30,7 +30,7 @@ struct PoolBlock {
     return {1u << bits, 2u << bits, kPoolLog2 + bits};
   }
   static constexpr uint32_t kLargest = 64;
-  static constexpr int kPoolLog2 = 6;  // candidates a sample: a tile of 256 pixels asks for some 2500
+  static constexpr int kPoolLog2 = 5;  // candidates a sample: a tile of 256 pixels asks for some 2500
 };
 
 /// Pixels of one tile: aligned to the image, so that a crop does not change who shares a pool.

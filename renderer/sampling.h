@@ -1,6 +1,7 @@
 // Random numbers and warps. Every warp states its pdf, in the measure that it names.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -149,7 +150,7 @@ inline float sample_tent(float u) {
 /// A direction about +Z, pdf cos(theta) / pi in solid angle.
 inline Vec3f sample_cosine_hemisphere(float u1, float u2) {
   const Vec2f d = sample_disk(u1, u2);
-  return {d.x, d.y, std::sqrt(std::fmax(0.0f, 1 - u1))};
+  return {d.x, d.y, std::sqrt(std::max(0.0f, 1 - u1))};
 }
 
 /// A GGX normal visible from `wo` (local, wo.z > 0), isotropic width alpha. Heitz, "Sampling the GGX
@@ -161,9 +162,9 @@ inline Vec3f sample_ggx_visible_normal(Vec3f wo, float alpha, float u1, float u2
   const Vec3f t2 = cross(v, t1);
   Vec2f p = sample_disk(u1, u2);
   const float blend = 0.5f * (1 + v.z);
-  p.y = (1 - blend) * std::sqrt(std::fmax(0.0f, 1 - p.x * p.x)) + blend * p.y;
-  const Vec3f h = p.x * t1 + p.y * t2 + std::sqrt(std::fmax(0.0f, 1 - dot(p, p))) * v;
-  return normalised({alpha * h.x, alpha * h.y, std::fmax(1e-6f, h.z)});
+  p.y = (1 - blend) * std::sqrt(std::max(0.0f, 1 - p.x * p.x)) + blend * p.y;
+  const Vec3f h = p.x * t1 + p.y * t2 + std::sqrt(std::max(0.0f, 1 - dot(p, p))) * v;
+  return normalised({alpha * h.x, alpha * h.y, std::max(1e-6f, h.z)});
 }
 
 /// Power heuristic with exponent 2 (Veach 1997, section 9.2): the weight of the strategy with pdf `a`.

@@ -1,6 +1,7 @@
 // Small vectors. Plain structs so that hot code, files and Embree share one layout.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -87,10 +88,10 @@ inline bool is_finite(Vec2f a) {
   return std::isfinite(a.x) && std::isfinite(a.y);
 }
 inline float min_component(Vec3f v) {
-  return std::fmin(v.x, std::fmin(v.y, v.z));
+  return std::min(v.x, std::min(v.y, v.z));
 }
 inline float max_component(Vec3f a) {
-  return std::fmax(a.x, std::fmax(a.y, a.z));
+  return std::max(a.x, std::max(a.y, a.z));
 }
 inline float mean(Vec3f a) {
   return (a.x + a.y + a.z) * (1.0f / 3.0f);
