@@ -1,8 +1,7 @@
-// Work on rows and tiles by all threads: TBB; under ThreadSanitizer plain threads, since Debian's TBB is not
+// Work by all threads: TBB; under ThreadSanitizer plain threads, since Debian's TBB is not
 // instrumented and what it orders would look like races (the tasks, which are ours, are the same).
 #pragma once
 
-#include <tbb/blocked_range2d.h>
 #include <tbb/parallel_for.h>
 
 #ifdef __SANITIZE_THREAD__
@@ -37,25 +36,10 @@ void parallel_for_each(int first, int last, const Body& body) {
   if (thrown) std::rethrow_exception(thrown);
 }
 
-/// body(range) for tiles of tile_px or less that cover rows [y0, y1) and columns [x0, x1).
-template <typename Body>
-void parallel_tiles(int y0, int y1, int x0, int x1, int tile_px, const Body& body) {
-  const int across = (x1 - x0 + tile_px - 1) / tile_px, down = (y1 - y0 + tile_px - 1) / tile_px;
-  parallel_for_each(0, across * down, [&](int tile) {
-    const int y = y0 + tile / across * tile_px, x = x0 + tile % across * tile_px;
-    body(tbb::blocked_range2d<int>(y, std::min(y + tile_px, y1), x, std::min(x + tile_px, x1)));
-  });
-}
 #else
 template <typename Body>
 void parallel_for_each(int first, int last, const Body& body) {
   tbb::parallel_for(first, last, body);
-}
-
-template <typename Body>
-void parallel_tiles(int y0, int y1, int x0, int x1, int tile_px, const Body& body) {
-  tbb::parallel_for(tbb::blocked_range2d<int>(y0, y1, tile_px, x0, x1, tile_px), body,
-                    tbb::simple_partitioner());
 }
 #endif
 
