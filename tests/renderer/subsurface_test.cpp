@@ -82,7 +82,7 @@ TEST(Subsurface, SingleScatteringAlbedo) {
 TEST(Subsurface, FurnaceOnAHalfSpace) {
   RenderSettings settings;
   settings.size_px = 64;
-  settings.spp = 64;  // of four walks each
+  settings.spp = 128;  // of four walks each
   const auto furnace = [&](Vec3f albedo) {
     const auto scene = build_scene(plane_model(1000, constant_set(subsurface_material(albedo))));
     const auto images =
