@@ -116,7 +116,7 @@ struct Case {
     const PreparedScene all =
         prepare_scene(model, environments, {}, views(), 1, settings, Quality::kReference, 0);
     RenderSettings s = settings;
-    s.spp = 128;
+    s.spp = 48;
     PilotStack stacks[2];
     for (uint64_t k = 0; k < 16; ++k)
       for (const PreparedScene* p : {&all, &prepared}) {
