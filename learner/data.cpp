@@ -13,8 +13,6 @@ namespace ohb {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double kExposedPercentile = 0.95;
-constexpr float kExposedLevel = 0.8f;
 constexpr size_t kHeldOutShare = 4;  // one person in four
 
 std::string attribute_of(const Sample& sample, const std::string& name) {

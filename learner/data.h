@@ -50,6 +50,10 @@ struct Example {
   float half_frame_cm = 0;  // displacement in cm = displacement x half_frame_cm
 };
 
+/// Photographs are exposed so that this share of the foreground is no brighter than this level (linear).
+constexpr double kExposedPercentile = 0.95;
+constexpr float kExposedLevel = 0.8f;
+
 /// `light_key` chooses the light: number light_key mod the number of lights.
 ///
 /// The input is made as a photograph would be: the light's radiance over its coverage, exposed so that the

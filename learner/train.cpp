@@ -10,6 +10,7 @@
 #include "dataset/model/interrupt.h"
 #include "learner/hash.h"
 #include "learner/loader.h"
+#include "learner/recolour.h"
 #include "learner/run_log.h"
 
 namespace ohb {
@@ -74,24 +75,6 @@ void mirror(Example& e) {
        {&e.input, &e.mask, &m.normal, &m.diffuse, &m.roughness, &m.specular, &m.sss, &m.displacement})
     *map = map->flip(3);
   m.normal.select(1, 0).neg_();
-}
-
-/// Another albedo under the same light: colour channels exchanged, and each scaled by a number in [0.5, 1],
-/// in the albedo and (but for highlights, exactly) in the picture. Nobody's skin is blue; but a few people's
-/// clothes have few colours, and a network that takes brown for leather has learnt those.
-void recolour(Example& e, uint64_t key) {
-  static constexpr int kOrders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
-  const int* order = kOrders[static_cast<int>(uniform_of(key, 0) * 6) % 6];
-  const Tensor channels = torch::tensor({order[0], order[1], order[2]}, torch::kLong);
-  Tensor albedo = e.truth.diffuse.index_select(1, channels);
-  Tensor picture = (e.input.slice(1, 0, 3).index_select(1, channels) + 1) / 2;
-  for (int c = 0; c < 3; ++c) {
-    const double scale = 0.5 + 0.5 * uniform_of(key, static_cast<uint64_t>(1 + c));
-    albedo.select(1, c).mul_(scale);
-    picture.select(1, c).mul_(std::pow(scale, 1 / 2.4));
-  }
-  e.truth.diffuse = albedo;
-  e.input = torch::cat({picture * 2 - 1, e.input.slice(1, 3, 4)}, 1);
 }
 
 /// Keys of what is done to examples; 0: nothing.
