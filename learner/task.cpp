@@ -6,6 +6,9 @@
 namespace ohb {
 namespace {
 
+// Largest less smallest value in the table of materials (assets/materials.xml).
+constexpr double kRoughnessSpan = 0.6, kSpecularSpan = 0.079, kSssSpan = 0.08;
+
 using torch::Tensor;
 
 constexpr double kGeometryRoughness = 0.2, kGeometrySpecular = 0.5;
@@ -28,6 +31,15 @@ void set_rss(MaterialMaps& maps, const Tensor& output, int64_t at) {
   maps.roughness = output.slice(1, at, at + 1);
   maps.specular = output.slice(1, at + 1, at + 2);
   maps.sss = output.slice(1, at + 2, at + 3);
+}
+
+/// The last three channels of absolute differences in equal units; roughness keeps its weight.
+Tensor with_balanced_rss(const Tensor& difference) {
+  const int64_t others = difference.size(1) - 3;
+  const Tensor span = torch::tensor({kRoughnessSpan, kSpecularSpan, kSssSpan}, difference.options());
+  const Tensor x = difference.slice(1, others) / span.view({1, 3, 1, 1});
+  const Tensor balanced = kRoughnessSpan / 2 * (x + x.square());
+  return others == 0 ? balanced : torch::cat({difference.slice(1, 0, others), balanced}, 1);
 }
 
 }  // namespace
@@ -120,12 +132,15 @@ Tensor srgb_of(const Tensor& linear) {
 
 Losses losses_of(Task task, const Tensor& output, const MaterialMaps& truth, const Tensor& mask,
                  const std::vector<shading::Light<double>>& lights, double render_weight,
-                 const shading::Options& options) {
+                 const shading::Options& options, bool balanced) {
   const MaterialMaps estimate = maps_of(task, output, truth);
   // Normals count after normalisation: their length in the output means nothing.
   const bool has_normal = task == Task::kGeometry || task == Task::kFinetune;
   const Tensor counted = has_normal ? torch::cat({(estimate.normal + 1) / 2, output.slice(1, 3)}, 1) : output;
-  const Tensor difference = (counted - encoded_maps(task, truth)).abs() * mask;
+  Tensor difference = (counted - encoded_maps(task, truth)).abs();
+  const bool has_rss = task == Task::kRss || task == Task::kFinetune;
+  if (balanced && has_rss) difference = with_balanced_rss(difference);
+  difference = difference * mask;
   Losses losses;
   losses.map = difference.sum() / (mask.sum() * static_cast<double>(output.size(1))).clamp_min(1e-6);
   losses.render =

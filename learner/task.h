@@ -57,8 +57,13 @@ struct Losses {
 
 /// map: L1 of encoded outputs and truth (normals normalised first), averaged over channels and, by coverage,
 /// over the foreground. render: fused_rendering_loss under CPR. total = map + render_weight x render.
+///
+/// `balanced` (not in the paper) counts roughness, S and sss in units of the span that each has in the table
+/// of materials (0.6, 0.079, 0.08), and takes the mean of the absolute and the squared difference. S and sss
+/// then weigh as much as roughness does; and where the material is uncertain the squared part asks for its
+/// mean, which is what PSNR judges, not for the likelier of two.
 Losses losses_of(Task task, const torch::Tensor& output, const MaterialMaps& truth, const torch::Tensor& mask,
                  const std::vector<shading::Light<double>>& lights, double render_weight,
-                 const shading::Options& options = {});
+                 const shading::Options& options = {}, bool balanced = false);
 
 }  // namespace ohb

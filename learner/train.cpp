@@ -44,6 +44,7 @@ json header_of(const TrainOptions& o, const Split& split, int64_t steps) {
                  {"trained_on", split.training},
                  {"held_out", split.held_out}};
   if (o.recolour) header["recolour"] = true;
+  if (o.balanced) header["balanced"] = true;
   // The schedule depends on the number of steps.
   if (o.cosine || o.warmup * 10 > steps) header["schedule_steps"] = steps;
   return header;
@@ -51,7 +52,7 @@ json header_of(const TrainOptions& o, const Split& split, int64_t steps) {
 
 void check_same(const json& before, const json& now, const fs::path& file) {
   json wanted = now;
-  for (const char* only_where_it_matters : {"schedule_steps", "recolour"})
+  for (const char* only_where_it_matters : {"schedule_steps", "recolour", "balanced"})
     if (before.contains(only_where_it_matters) && !now.contains(only_where_it_matters))
       wanted[only_where_it_matters] = nullptr;
   for (const auto& [key, value] : wanted.items())
@@ -207,8 +208,8 @@ Step Trainer::step(const Batch& batch, int64_t number) {
   const auto lights = training_lights(key_of({options_.seed, kLightPlace, static_cast<uint64_t>(number)}));
   shading::Options shading;
   shading.log_domain = !options_.linear_render;
-  const Losses losses =
-      losses_of(options_.task, output, batch.truth, batch.mask, lights, options_.render_weight, shading);
+  const Losses losses = losses_of(options_.task, output, batch.truth, batch.mask, lights,
+                                  options_.render_weight, shading, options_.balanced);
   Step result{losses.total.item<double>(), losses.map.item<double>(), losses.render.item<double>(), 0};
   if (!std::isfinite(result.total)) return result;
   losses.total.backward();

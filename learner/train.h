@@ -33,6 +33,7 @@ struct TrainOptions {
   double render_weight = 1;
   bool linear_render = false;  // plain L1 of radiance, as in the paper, instead of ln(1 + x)
   bool mirror = false;         // half of the examples with left and right exchanged (not in the paper)
+  bool balanced = false;       // see losses_of
   bool recolour = false;       // half of the examples with other colours (not in the paper)
   Guidance guidance = Guidance::kTruth;
   std::vector<std::filesystem::path> priors;  // three of them for Guidance::kPriors

@@ -81,6 +81,8 @@ void add_schedule(CLI::App& command, TrainOptions& o) {
                    "L1 of radiance, as in the paper, not of ln(1 + radiance)");
   command.add_flag("--mirror", o.mirror,
                    "exchange left and right in half of the examples (the paper does not)");
+  command.add_flag("--balanced", o.balanced,
+                   "roughness, specular and sss count alike, by absolute and squared difference");
   command.add_flag("--recolour", o.recolour,
                    "give half of the examples other colours (the paper does not): for few people");
   command.add_option("--checkpoint-every", o.checkpoint_every, "steps between checkpoints")
