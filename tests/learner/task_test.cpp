@@ -78,5 +78,32 @@ TEST(Losses, CountTheForegroundOnly) {
               1e-6);
 }
 
+/// The map loss of an estimate whose channel `channel` of roughness, S and sss is off by `error` in half of
+/// the foreground.
+double loss_of_error(Task task, int64_t channel, double error, bool balanced) {
+  MaterialMaps truth = random_maps(1, 16, 16, torch::kDouble, 6);
+  truth.roughness.fill_(0.25), truth.specular.fill_(0.184), truth.sss.fill_(0);
+  Tensor output = encoded_maps(task, truth).clone();
+  output.select(1, output.size(1) - 3 + channel).slice(2, 0, 8) += error;
+  const Tensor mask = torch::ones({1, 1, 16, 16}, torch::kDouble);
+  return losses_of(task, output, truth, mask, training_lights(1), 1, {}, balanced).map.item<double>();
+}
+
+TEST(Losses, BalancedCountsEachMaterialByItsSpan) {
+  const double spans[3] = {0.6, 0.079, 0.08};
+  for (const Task task : {Task::kRss, Task::kFinetune})
+    for (const double part : {0.25, 1.0}) {
+      const double roughness = loss_of_error(task, 0, part * spans[0], true);
+      // Half of the pixels, one of the channels; absolute and squared part.
+      const double channels = static_cast<double>(output_channels(task));
+      EXPECT_NEAR(roughness, 0.5 / channels * 0.6 * (part + part * part) / 2, 1e-9) << name_of(task);
+      for (int64_t channel = 1; channel < 3; ++channel)
+        EXPECT_NEAR(loss_of_error(task, channel, part * spans[channel], true), roughness, 1e-9);
+      // As the paper counts, a whole skin taken for cloth is an eighth of a whole fabric taken for leather.
+      EXPECT_NEAR(loss_of_error(task, 2, spans[2], false) / loss_of_error(task, 0, spans[0], false),
+                  0.08 / 0.6, 1e-6);
+    }
+}
+
 }  // namespace
 }  // namespace ohb

@@ -169,7 +169,7 @@ TEST(Training, ResumedRunEqualsAnUninterruptedOneBitForBit) {
   TemporaryFolder folder;
   write_ball_dataset(folder / "data", 2, 3, 16);
   TrainOptions whole = options_of(folder, "whole", 20);
-  whole.mirror = whole.recolour = true;
+  whole.mirror = whole.recolour = whole.balanced = true;
   train(whole);
   TrainOptions first = whole;
   first.run = folder / "parts";
