@@ -33,9 +33,9 @@ train() {  # MODEL STEPS BATCH RATE OPTIONS...
 }
 train geometry 6000 2 5e-4
 train albedo 6000 2 5e-4
-train rss 3000 2 5e-4 --recolour
+train rss 6000 2 5e-4 --recolour --balanced
 for prior in geometry albedo rss; do priors+=("$out/runs/$prior"); done
-train finetune 2000 1 3e-4 --recolour --guidance priors --priors "${priors[@]}"
+train finetune 1500 1 5e-4 --warmup 100 --recolour --balanced --guidance priors --priors "${priors[@]}"
 "$learner" evaluate "${priors[@]}" "$out/runs/finetune" --data "$out/open/samples" -o "$out/report"
 {
   cat "$out/report/evaluation.md"
