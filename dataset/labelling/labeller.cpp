@@ -16,6 +16,7 @@ constexpr float kSeed = 50;          // conductance of a stroked face: far more 
 constexpr float kFloor = 0.01f;      // least probability: no term decides alone
 constexpr float kStrokeCost = 1e7f;  // of another class than the stroke's
 constexpr size_t kColourSamples = 6000;
+constexpr float kTelling_cm2 = 6;   // a stroke on less is a correction and tells less of look-alikes
 constexpr float kStrokeShare = 4;   // what looks like a stroke against the start labels
 constexpr float kSureShare = 0.5f;  // faces below are not what their class looks like
 
@@ -48,6 +49,23 @@ Labeller::Labeller(const Scan& scan, double unit_cm, LabelTerms terms)
   walker_.emplace(graph.size(), conductance, std::move(restart));
 }
 
+std::vector<float> Labeller::reach_weights(const std::vector<ClassValues>& best) const {
+  std::vector<float> weight;
+  for (const Reach& reach : reaches_) {
+    float contested = 0, area_cm2 = 0;
+    for (uint32_t f : reach.covered) {
+      float others = 0;
+      for (int c = 0; c < kClassCount; ++c)
+        if (c != reach.stroke.material_class) others = std::max(others, best[f][c]);
+      contested += features_.graph.area_cm2[f] * others;
+      area_cm2 += features_.graph.area_cm2[f];
+    }
+    const float share = area_cm2 > 0 ? contested / area_cm2 : 0;
+    weight.push_back((1 - share) * std::min(1.0f, area_cm2 / kTelling_cm2));
+  }
+  return weight;
+}
+
 std::vector<ClassValues> Labeller::revised_start(const std::vector<Stroke>& strokes) {
   const auto is_same = [](const Stroke& l, const Stroke& r) {
     return l.radius_cm == r.radius_cm && l.points.size() == r.points.size() &&
@@ -57,16 +75,25 @@ std::vector<ClassValues> Labeller::revised_start(const std::vector<Stroke>& stro
   };
   reaches_.resize(strokes.size());
   tbb::parallel_for(size_t{0}, strokes.size(), [&](size_t s) {
-    if (is_same(reaches_[s].stroke, strokes[s])) return;
-    reaches_[s] = {strokes[s], reach_of_stroke(features_, likeness_, start_class_,
-                                               faces_of_stroke(strokes[s], features_.graph, unit_cm_))};
-  });
-  std::vector<ClassValues> best(features_.size(), ClassValues{});
-  for (size_t s = 0; s < strokes.size(); ++s)
-    for (const StrokeLikeness& like : reaches_[s].faces) {
-      float& value = best[like.face][strokes[s].material_class];
-      value = std::max(value, like.value);
+    if (is_same(reaches_[s].stroke, strokes[s])) {
+      reaches_[s].stroke.material_class = strokes[s].material_class;
+      return;
     }
+    std::vector<uint32_t> covered = faces_of_stroke(strokes[s], features_.graph, unit_cm_);
+    std::vector<StrokeLikeness> reached = reach_of_stroke(features_, likeness_, start_class_, covered);
+    reaches_[s] = {strokes[s], std::move(covered), std::move(reached)};
+  });
+  const auto best_of = [&](const std::vector<float>& weight) {
+    std::vector<ClassValues> best(features_.size(), ClassValues{});
+    for (size_t s = 0; s < strokes.size(); ++s)
+      for (const StrokeLikeness& like : reaches_[s].faces) {
+        float& value = best[like.face][strokes[s].material_class];
+        value = std::max(value, weight[s] * like.value);
+      }
+    return best;
+  };
+  std::vector<ClassValues> best = best_of(std::vector<float>(strokes.size(), 1.0f));
+  best = best_of(reach_weights(best));
   std::vector<ClassValues> start = start_.probability;
   for (size_t f = 0; f < start.size(); ++f) {
     const float sum = best[f][0] + best[f][1] + best[f][2] + best[f][3];

@@ -54,6 +54,9 @@ class Labeller {
 
  private:
   std::vector<ClassValues> revised_start(const std::vector<Stroke>& strokes);
+  /// What each stroke's reach counts. A stroke on what another one takes for its own garment shows that looks
+  /// deceive there, and neither speaks for look-alikes; nor does a dot of a few mm.
+  std::vector<float> reach_weights(const std::vector<ClassValues>& best) const;
   std::vector<ClassValues> colour_probability(const std::vector<ClassValues>& share,
                                               const StrokedFaces& stroked) const;
   LabelEnergy energy_of_faces(const std::vector<ClassValues>& walk, const StrokedFaces& stroked) const;
@@ -68,6 +71,7 @@ class Labeller {
   std::optional<RandomWalker> walker_;
   struct Reach {
     Stroke stroke;
+    std::vector<uint32_t> covered;
     std::vector<StrokeLikeness> faces;
   };
   std::vector<Reach> reaches_;       // of the call before, in the order of its strokes
