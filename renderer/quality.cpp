@@ -95,7 +95,7 @@ bool has_subsurface(const Model& model) {
 }
 
 /// Pilots of every view with one number of paths.
-struct Pilots {
+struct ViewPilots {
   std::vector<PilotStack> stacks;
   double cpu_s = 0;
 };
@@ -147,9 +147,10 @@ class Choice {
     return spp;
   }
 
-  Pilots pilots(const Scene& scene, const LightSet& lights, const RenderSettings& settings, int spp) const {
+  ViewPilots pilots(const Scene& scene, const LightSet& lights, const RenderSettings& settings,
+                    int spp) const {
     const Stopwatch watch;
-    Pilots result;
+    ViewPilots result;
     RenderStatistics statistics;
     for (const QualityView& view : views_) {
       const Picture picture(scene, lights, view.camera, view.turn_rad, settings);
@@ -159,19 +160,20 @@ class Choice {
     result.cpu_s = watch.cpu_s();
     return result;
   }
-  Pilots pilots(const Needs& needs, int spp) const {
+  ViewPilots pilots(const Needs& needs, int spp) const {
     const PreparedScene prepared = variants_.of(needs);
     return pilots(*prepared.lit, *prepared.lights, prepared.settings_for(settings_), spp);
   }
 
-  const Pilots& reference(int spp) {
+  const ViewPilots& reference(int spp) {
     auto known = references_.find(spp);
     if (known == references_.end()) known = references_.emplace(spp, pilots(Needs(), spp)).first;
     return known->second;
   }
 
   /// Every light of b, from the `skip`-th on, against a's: the largest of lights and views.
-  static void measure(const Pilots& a, const Pilots& b, size_t skip, size_t lights, Omission& omission) {
+  static void measure(const ViewPilots& a, const ViewPilots& b, size_t skip, size_t lights,
+                      Omission& omission) {
     const auto root = [](double x) { return std::sqrt(std::max(0.0, x)); };
     omission.error = omission.low = omission.high = 0;
     for (size_t v = 0; v < a.stacks.size(); ++v)
@@ -203,7 +205,8 @@ class Choice {
     };
     for (int spp = kFirstSpp; spp <= most_spp_ && widths.size() > 1; spp *= 4) {
       const size_t lights = variants_.environment_count();
-      const Pilots all = pilots(*variants_.of(Needs()).scene, *variants_.all_environments(), settings_, spp);
+      const ViewPilots all =
+          pilots(*variants_.of(Needs()).scene, *variants_.all_environments(), settings_, spp);
       found.assign(widths.size() - 1, Omission());
       for (size_t w = 1; w < widths.size(); ++w) {
         found[w - 1].what = fmt::format("environments at {} px", widths[w]);
@@ -227,8 +230,8 @@ class Choice {
     Omission omission{what};
     double cpu_share = 1;
     for (int spp = kFirstSpp; spp <= most_spp_; spp *= 4) {
-      const Pilots& all = reference(spp);
-      const Pilots without = pilots(needs, spp);
+      const ViewPilots& all = reference(spp);
+      const ViewPilots without = pilots(needs, spp);
       cpu_share = all.cpu_s > 0 ? without.cpu_s / all.cpu_s : 1;
       measure(all, without, 0, all.stacks[0][0].size(), omission);
       if (is_clear(omission, part)) break;
@@ -251,7 +254,7 @@ class Choice {
   const double tolerance_;
   const int most_spp_;
   Needs needs_;
-  std::map<int, Pilots> references_;
+  std::map<int, ViewPilots> references_;
   std::vector<Omission> tried_;
   double error_high_ = 0, cpu_share_ = 1;
 };
