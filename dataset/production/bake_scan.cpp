@@ -60,32 +60,28 @@ std::vector<GreenChannel> green_channels(const Scan& scan, const std::string& no
   return green;
 }
 
-/// The files of --source and --cage, in memory while the bake runs.
-struct SourceFiles {
-  Scan scan, cage;
-};
-
-/// Reads them and says in `source` where they are.
-void read_source(const BakeJob& job, double scan_unit_cm, SourceFiles& files, BakeSource& source) {
+/// Reads the files of --source and --cage and says in the options where they are.
+void read_source(const BakeJob& job, BakeInputs& inputs) {
+  BakeSource& source = inputs.options.source;
   if (job.source.empty()) {
     if (!job.cage.empty() || job.wants_object_normals || job.reach_cm > 0)
       throw InputError("--source", "", "is missing: --cage, --reach and --object-normals are for it",
                        "name the high-resolution mesh");
     return;
   }
-  files.scan = read_scan(job.source);
-  source.scan = &files.scan;
+  inputs.source = read_scan(job.source);
+  source.scan = &inputs.source;
   source.sha256 = sha256_of_file(job.source);
-  source.unit_cm = !job.source_unit.empty() ? resolve_unit_cm(files.scan, job.source_unit)
-                                            : files.scan.stated_unit_cm.value_or(scan_unit_cm);
-  source.green = green_channels(files.scan, job.normals);
+  source.unit_cm = !job.source_unit.empty() ? resolve_unit_cm(inputs.source, job.source_unit)
+                                            : inputs.source.stated_unit_cm.value_or(inputs.options.unit_cm);
+  source.green = green_channels(inputs.source, job.normals);
   source.reach_cm = job.reach_cm;
   source.max_missed_share = job.max_missed_percent / 100;
   source.max_overlap_share = job.max_overlap_percent / 100;
   source.wants_object_normals = job.wants_object_normals;
   if (job.cage.empty()) return;
-  files.cage = read_scan(job.cage);
-  source.cage = &files.cage;
+  inputs.cage = read_scan(job.cage);
+  source.cage = &inputs.cage;
 }
 
 /// weights.exr of each material, where `label` wrote one.
@@ -102,25 +98,32 @@ std::vector<fs::path> class_weights(const Scan& scan, const fs::path& regions) {
 
 }  // namespace
 
-BakeReport bake_scan(const BakeJob& job) {
-  AtomicFolder folder(job.output);
-  const Regions regions = regions_of_scan(job);
-  const MaterialTable table =
+std::unique_ptr<BakeInputs> read_bake_inputs(const BakeJob& job) {
+  auto inputs = std::make_unique<BakeInputs>();
+  inputs->regions = regions_of_scan(job);
+  inputs->table =
       read_material_table(job.materials.empty() ? program_file("assets/materials.xml") : job.materials);
-  const Scan scan = read_scan(job.scan);
+  inputs->scan = read_scan(job.scan);
+  const Scan& scan = inputs->scan;
   const std::optional<std::string> unit = job.unit.empty() ? std::nullopt : std::optional(job.unit);
-  BakeOptions options;
+  BakeOptions& options = inputs->options;
   options.size_px = job.size_px;
   options.unit_cm = resolve_unit_cm(scan, unit);
   options.name = job.name.empty() ? job.scan.stem().string() : job.name;
   options.quiet = job.quiet;
   options.mends_seams = !job.keeps_seams;
   options.class_weights = class_weights(scan, job.regions);
-  SourceFiles files;
-  read_source(job, options.unit_cm, files, options.source);
+  read_source(job, *inputs);
   if (job.source.empty()) options.green = green_channels(scan, job.normals);
   options.unit_reason = unit ? "as given" : guess_unit(scan).reason;
-  BakeReport report = bake_to_folder(scan, regions, table, options, folder.path());
+  return inputs;
+}
+
+BakeReport bake_scan(const BakeJob& job) {
+  AtomicFolder folder(job.output);
+  const std::unique_ptr<const BakeInputs> inputs = read_bake_inputs(job);
+  BakeReport report =
+      bake_to_folder(inputs->scan, inputs->regions, inputs->table, inputs->options, folder.path());
   folder.commit();
   return report;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "bake/bake.h"
@@ -26,8 +27,18 @@ struct BakeJob {
   bool quiet = false;
 };
 
-/// Throws InputError: files missing or malformed, regions of another scan, unit not known, and as
-/// bake_to_folder; TryAgainError for a full disk.
+/// A job's files, read.
+struct BakeInputs {
+  Scan scan, source, cage;  // the last two may be empty
+  Regions regions;
+  MaterialTable table;
+  BakeOptions options;  // points to `source` and `cage`
+};
+
+/// Throws InputError: files missing or malformed, regions of another scan, unit not known.
+std::unique_ptr<BakeInputs> read_bake_inputs(const BakeJob& job);
+
+/// Throws as read_bake_inputs and bake_to_folder; TryAgainError for a full disk.
 BakeReport bake_scan(const BakeJob& job);
 
 }  // namespace ohb

@@ -99,7 +99,7 @@ class Commands(unittest.TestCase):
     def test_every_command_has_help_with_examples(self):
         overview = run("--help")
         self.assertEqual(overview.returncode, DONE)
-        for command in ("inspect", "label", "bake", "render", "validate", "chart speed-accuracy", "chart stress"):
+        for command in ("inspect", "label", "bake", "render", "validate", "chart speed-accuracy", "chart stress", "chart bake"):
             self.assertIn(command.split()[0], overview.stdout)
             result = run(*command.split(), "--help")
             self.assertEqual(result.returncode, DONE)
@@ -292,6 +292,21 @@ class Commands(unittest.TestCase):
         self.assertEqual(result.returncode, DONE, result.stderr)
         self.assertTrue((self.folder / "relative" / "chart.svg").exists())
         self.expect_refusal(run(*arguments[:-1], self.folder / "x", "--blender", "/bin/false"), "/bin/false")
+        self.assertFalse((self.folder / "x").exists())
+
+    def test_chart_of_bake(self):
+        arguments = ["chart", "bake", self.scan, "--regions", self.folder / "regions", "--environment", self.environment,
+                     "--size", 32, "--spp", 8, "--keep-seams"]   # of a picture of 32 px, mended seams are a large part
+        result = run(*arguments, "--map-sizes", 64, 32, 4, "--json", "-o", self.folder / "bake_chart")
+        self.assertEqual(result.returncode, DONE, result.stdout)
+        report = json.loads(result.stdout)
+        self.assertEqual([p["map_px"] for p in report["points"]], [64, 32, 4])
+        self.assertEqual(report["points"][1]["failures"], [])
+        self.assertNotEqual(report["points"][2]["failures"], [])
+        self.assertLess(report["points"][1]["relative_error"], report["points"][2]["relative_error"])
+        self.assertEqual({p.name for p in (self.folder / "bake_chart").iterdir() if not p.name.startswith(".")},
+                         {"chart.csv", "chart.gp", "chart.json", "chart.png", "chart.svg"})
+        self.expect_refusal(run(*arguments, "--materials", self.scan, "-o", self.folder / "x"), "scan.obj")
         self.assertFalse((self.folder / "x").exists())
 
     def test_chart_of_stress(self):

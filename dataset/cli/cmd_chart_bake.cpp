@@ -1,0 +1,94 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "dataset/cli/commands.h"
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/error.h"
+#include "dataset/production/bake_fidelity.h"
+#include "dataset/production/source_materials.h"
+
+namespace ohb {
+namespace fs = std::filesystem;
+namespace {
+
+struct Options {
+  BakeJob job;
+  std::string environment, output;
+  bool hard_borders = false;
+  FidelitySettings settings;
+};
+
+/// Twice the pictures' size, their own, and halves of it.
+std::vector<int> usual_sizes(int picture_px) {
+  std::vector<int> sizes = {0};
+  if (2 * picture_px <= kMaxMapSize_px) sizes.insert(sizes.begin(), 2 * picture_px);
+  for (int halvings = 1; halvings <= 5 && (picture_px >> halvings) >= 16; ++halvings)
+    sizes.push_back(picture_px >> halvings);
+  return sizes;
+}
+
+int run_bake_chart(const Options& options, const CommonOptions& common) {
+  FidelitySettings settings = options.settings;
+  settings.seed = common.seed;
+  auto inputs = read_bake_inputs(options.job);
+  if (options.hard_borders) inputs->options.class_weights.clear();
+  if (settings.map_sizes_px.empty()) settings.map_sizes_px = usual_sizes(largest_picture_px(inputs->scan));
+  const Environment environment = read_environment(options.environment);
+  AtomicFolder folder(options.output);
+  const BakeFidelity fidelity = measure_bake_fidelity(*inputs, environment, settings);
+  write_file_atomically(folder.path() / "chart.csv", fidelity_csv(fidelity));
+  write_file_atomically(folder.path() / "chart.json", fidelity_json(fidelity));
+  draw_fidelity(fidelity, folder.path());
+  folder.commit();
+  std::printf("%s", (common.json ? fidelity_json(fidelity) : fidelity_text(fidelity)).c_str());
+  if (!common.json) std::printf("%s\n", (fs::path(options.output) / "chart.svg").c_str());
+  return fidelity.passes() ? kExitDone : kExitDifference;
+}
+
+}  // namespace
+
+void add_bake_chart(CLI::App& chart, Commands& commands) {
+  CLI::App* command =
+      chart.add_subcommand("bake", "Baked maps beside the scan's own materials, against the maps' size");
+  auto options = std::make_shared<Options>();
+  options->job.quiet = true;
+  FidelitySettings& settings = options->settings;
+  command->add_option("SCAN", options->job.scan, "mesh: OBJ, GLB or FBX")->required();
+  command->add_option("--regions", options->job.regions, "folder that label wrote for this scan")->required();
+  command->add_option("--environment", options->environment, "latitude-longitude map, linear")->required();
+  command->add_option("--materials", options->job.materials,
+                      "specular, roughness and sss of the classes (default: the paper's)");
+  command->add_flag("--keep-seams", options->job.keeps_seams, "bake with --keep-seams");
+  command->add_option("--unit", options->job.unit, "unit of the scan: mm, cm, m or inch (default: guessed)");
+  command
+      ->add_option("--map-sizes", settings.map_sizes_px,
+                   "texels along the longer edge of the maps, several (default: twice the pictures' size, "
+                   "their own, a half, ... )")
+      ->check(CLI::Range(1, kMaxMapSize_px));
+  command->add_flag("--hard-borders", options->hard_borders,
+                    "classes change at the faces' edges; the regions' weights are not used");
+  command->add_option("--size", settings.size_px, "width and height of the picture in pixels")
+      ->check(CLI::Range(8, 8192))
+      ->capture_default_str();
+  command->add_option("--spp", settings.spp, "paths a pixel of one image")
+      ->check(CLI::Range(1, 8192))
+      ->capture_default_str();
+  command->add_option("--seeds", settings.seeds, "images of each kind, each with its own seed")
+      ->check(CLI::Range(2, 256))
+      ->capture_default_str();
+  command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
+      ->required();
+  add_common_options(*command, commands.common);
+  command->footer(
+      "Examples:\n"
+      "  openhumanbrdf chart bake person.obj --regions regions --environment studio.exr -o chart\n"
+      "  openhumanbrdf chart bake person.obj --regions regions --environment studio.exr --map-sizes 2048 512 "
+      "-o chart\n"
+      "Exit code 1: maps of the pictures' size do not render as the scan's own materials.");
+  command->callback([options, &commands] {
+    commands.run = [options, &commands] { return run_bake_chart(*options, commands.common); };
+  });
+}
+
+}  // namespace ohb
