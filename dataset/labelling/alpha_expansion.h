@@ -29,8 +29,8 @@ struct LabelEnergy {
 
 double energy_of(const LabelEnergy& energy, const std::vector<uint8_t>& labels);
 
-/// The best labels in which each node keeps its own or takes `label`: a minimum cut over the nodes whose own
-/// costs do not decide already. Gives false, and leaves the labels, if that is no better.
+/// The best labels in which each node keeps its own or takes `label`: a minimum cut. Gives false, and leaves
+/// the labels, if that is no better.
 bool expand(const LabelEnergy& energy, uint8_t label, std::vector<uint8_t>& labels);
 
 /// Expansions of all labels in turn, from `first` on, until none is better. The energy is then within twice

@@ -1,6 +1,6 @@
 // A robot paints strokes on labelled scans: accuracy against the number of strokes, of ours and of four
 // simpler ways, with and without noise, and under wrong strokes and damaged pictures. usage: label_robot
-// [--strokes 20] [--stress] SCAN.obj... -o FOLDER   (x_scan.obj with x_scan.labels.txt)
+// [--strokes 20] [--stress | --ours] SCAN.obj... -o FOLDER   (x_scan.obj with x_scan.labels.txt)
 #include <CLI/CLI.hpp>
 
 #include <sys/resource.h>
@@ -94,9 +94,12 @@ void run_robot(const Human& human, const std::string& series, const Method& meth
   }
 }
 
-void compare_methods(const std::vector<Human>& humans, int strokes, std::vector<RobotPoint>& points) {
+void compare_methods(const std::vector<Human>& humans, bool is_ours_alone, int strokes,
+                     std::vector<RobotPoint>& points) {
   const RobotNoise noise{0.3, 0.02};
-  for (const Method& method : methods())
+  std::vector<Method> compared = methods();
+  if (is_ours_alone) compared.resize(1);
+  for (const Method& method : compared)
     for (const Human& human : humans) {
       run_robot(human, method.name, method, {}, strokes, points);
       run_robot(human, std::string(method.name) + ", noisy", method, noise, strokes, points);
@@ -124,7 +127,8 @@ void stress(const std::vector<Human>& humans, int strokes, std::vector<RobotPoin
   }
 }
 
-int run(const std::vector<std::string>& files, bool is_stress, int strokes, const std::string& output) {
+int run(const std::vector<std::string>& files, bool is_stress, bool is_ours_alone, int strokes,
+        const std::string& output) {
   std::vector<Human> humans;
   for (const std::string& file : files) humans.push_back(read_human(file));
   AtomicFolder folder(output);
@@ -132,7 +136,7 @@ int run(const std::vector<std::string>& files, bool is_stress, int strokes, cons
   if (is_stress)
     stress(humans, strokes, points);
   else
-    compare_methods(humans, strokes, points);
+    compare_methods(humans, is_ours_alone, strokes, points);
   write_file_atomically(folder.path() / "chart.csv", robot_csv(points));
   std::printf("%s", robot_table(points).c_str());
   draw_robot_chart(points, folder.path());
@@ -148,14 +152,15 @@ int main(int argc, char** argv) {
   std::vector<std::string> scans;
   std::string output;
   int strokes = 20;
-  bool is_stress = false;
+  bool is_stress = false, is_ours_alone = false;
   app.add_option("SCAN", scans, "x.obj with x.labels.txt beside it")->required();
   app.add_option("--strokes", strokes, "strokes a scan")->check(CLI::Range(1, 200));
   app.add_flag("--stress", is_stress, "ours alone, under wrong strokes, noise and blur");
+  app.add_flag("--ours", is_ours_alone, "without the simpler ways");
   app.add_option("-o,--output", output, "folder for chart.csv, .svg and .png")->required();
   CLI11_PARSE(app, argc, argv);
   try {
-    return ohb::run(scans, is_stress, strokes, output);
+    return ohb::run(scans, is_stress, is_ours_alone, strokes, output);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "label_robot: %s\n", error.what());
     return 2;

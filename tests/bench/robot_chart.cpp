@@ -90,7 +90,7 @@ std::string robot_csv(const std::vector<RobotPoint>& points) {
 std::string robot_table(const std::vector<RobotPoint>& points) {
   std::string table = fmt::format("{:<34}", "median / least accuracy in %, IoU");
   for (const int n : {0, 1, 2, 4, 8, 20}) table += fmt::format("{:>25}", fmt::format("{} strokes", n));
-  table += fmt::format("{:>10}\n", "cpu s");
+  table += fmt::format("{:>26}\n", "cpu s, wall s of a stroke");
   for (const std::string& name : series_of(points)) {
     table += fmt::format("{:<34}", name);
     for (const int n : {0, 1, 2, 4, 8, 20}) {
@@ -100,13 +100,18 @@ std::string robot_table(const std::vector<RobotPoint>& points) {
       table += fmt::format("{:>25}", fmt::format("{:.2f}/{:.2f} {:.2f}/{:.2f}", 100 * median(accuracy),
                                                  100 * accuracy.front(), median(iou), iou.front()));
     }
-    double cpu_s = 0, solves = 0;
-    for (const RobotPoint& p : points)
-      if (p.series == name && p.cpu_s > 0) {
-        cpu_s += p.cpu_s;
-        ++solves;
-      }
-    table += fmt::format("{:>10.3f}\n", solves > 0 ? cpu_s / solves : 0);
+    std::vector<double> cpu_s, wall_s;
+    for (const RobotPoint& p : points) {
+      if (p.series != name || !(p.cpu_s > 0)) continue;
+      cpu_s.push_back(p.cpu_s);
+      wall_s.push_back(p.wall_s);
+    }
+    std::sort(cpu_s.begin(), cpu_s.end());
+    std::sort(wall_s.begin(), wall_s.end());
+    if (!cpu_s.empty())
+      table += fmt::format("  {:.3f}/{:.3f} {:.3f}/{:.3f}", median(cpu_s), cpu_s.back(), median(wall_s),
+                           wall_s.back());
+    table += '\n';
   }
   return table;
 }

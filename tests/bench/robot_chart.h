@@ -17,7 +17,8 @@ struct RobotPoint {
 
 std::string robot_csv(const std::vector<RobotPoint>& points);
 
-/// Median and least over the scans at 0, 1, 2, 4, 8 and 20 strokes, a line a series.
+/// Median and least over the scans at 0, 1, 2, 4, 8 and 20 strokes, and median and worst seconds of a stroke,
+/// a line a series.
 std::string robot_table(const std::vector<RobotPoint>& points);
 
 /// Draws chart.svg and chart.png (median error and worst class's IoU against strokes) and keeps chart.gp.
