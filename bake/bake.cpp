@@ -1,6 +1,10 @@
 #include "bake/bake.h"
 
+#include <tbb/parallel_pipeline.h>
+
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -101,6 +105,39 @@ std::unique_ptr<SourceBake> source_of(const CanonicalMesh& mesh, const MeshFrame
   return source;
 }
 
+using Jobs = std::vector<std::function<void()>>;
+
+/// Two at a time, each with all threads inside: a map is written while the next is made, and few are in
+/// memory at once.
+void run_in_pairs(const Jobs& jobs) {
+  size_t next = 0;
+  tbb::parallel_pipeline(
+      2, tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& flow) {
+           if (next == jobs.size()) flow.stop();
+           return next++;
+         }) & tbb::make_filter<size_t, void>(tbb::filter_mode::parallel, [&](size_t job) { jobs[job](); }));
+}
+
+/// Makes the maps of kMapKinds and gives each to `use`, empty ones where the set has none.
+Jobs map_jobs(SetBake& set, const std::function<void(const MapKind&, Image)>& use) {
+  const auto kind_of = [](Image TextureSet::*image) -> const MapKind& {
+    return *std::find_if(kMapKinds.begin(), kMapKinds.end(),
+                         [&](const MapKind& kind) { return kind.image == image; });
+  };
+  return {
+      [=, &set] { use(kind_of(&TextureSet::albedo), set.take_albedo()); },
+      [=, &set] { use(kind_of(&TextureSet::normal), set.take_normal()); },
+      [=, &set] {
+        constexpr Image TextureSet::*kMaps[3] = {&TextureSet::roughness, &TextureSet::specular,
+                                                 &TextureSet::sss};
+        std::array<Image, 3> maps = set.take_class_maps();
+        for (int i = 0; i < 3; ++i) use(kind_of(kMaps[i]), std::move(maps[i]));
+      },
+      [=, &set] { use(kind_of(&TextureSet::displacement), set.take_displacement()); },
+      [=, &set] { use(kind_of(&TextureSet::alpha), set.take_alpha()); },
+  };
+}
+
 /// Maps beside the six, which model.xml does not name: half, of one or three channels.
 void write_extra_map(const std::filesystem::path& file, const std::string& name, Image image) {
   if (image.values.empty()) return;
@@ -109,7 +146,37 @@ void write_extra_map(const std::filesystem::path& file, const std::string& name,
   parts[0].channels =
       image.channels == 1 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
   parts[0].image = std::move(image);
-  write_exr(file, parts, {{"compression", "zips:1"}});
+  write_exr(file, parts, {{"compression", "rle"}});
+}
+
+/// All files of a set's folder; gives what model.xml says of it.
+TextureSetEntry write_set(SetBake& set, const std::filesystem::path& folder, TextureSetEntry entry) {
+  const std::filesystem::path maps = folder / "maps" / entry.folder;
+  std::array<bool, kMapKinds.size()> is_named{};
+  const auto write = [&](const MapKind& kind, Image image) {
+    is_named[&kind - kMapKinds.data()] = write_texture_map(folder, kind, std::move(image), entry);
+  };
+  make_folders(maps);
+  Jobs jobs = map_jobs(set, write);
+  jobs.push_back([&] {
+    if (const ByteImage debug = set.debug(); !debug.values.empty()) write_png(maps / "debug.png", debug);
+    write_extra_map(maps / "height.exr", "height", set.take_height());
+  });
+  jobs.push_back(
+      [&] { write_extra_map(maps / "normal_object.exr", "normal_object", set.take_object_normal()); });
+  jobs.push_back([&] { write_png(maps / "valid.png", set.valid()); });
+  run_in_pairs(jobs);
+  for (size_t i = 0; i < kMapKinds.size(); ++i)
+    if (is_named[i]) entry.maps.push_back(kMapKinds[i].name);
+  return entry;
+}
+
+/// As TextureSet::valid.
+Image image_of_valid(const ByteImage& bytes) {
+  Image image(bytes.width_px, bytes.height_px, bytes.channels);
+  std::transform(bytes.values.begin(), bytes.values.end(), image.values.begin(),
+                 [](uint8_t value) { return value == 255 ? 1.0f : 0.5f; });
+  return image;
 }
 
 }  // namespace
@@ -128,14 +195,8 @@ BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const Materi
     SetReport& set_report = report.sets[i];
     set_report.folder = folders[i];
     SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, frames, source.get(), set_report);
-    TextureSetEntry entry{mesh.model.sets[i].name, folders[i], set.width_px(), set.height_px(), {}};
-    for (const MapKind& kind : kMapKinds) write_texture_map(folder, kind, set.take(kind.image), entry);
-    const std::filesystem::path maps = folder / "maps" / folders[i];
-    if (const Image debug = set.debug(); !debug.values.empty()) write_png(maps / "debug.png", debug);
-    write_extra_map(maps / "height.exr", "height", set.take_height());
-    write_extra_map(maps / "normal_object.exr", "normal_object", set.take_object_normal());
-    write_png(maps / "valid.png", set.take(&TextureSet::valid));
-    entries.push_back(std::move(entry));
+    entries.push_back(
+        write_set(set, folder, {mesh.model.sets[i].name, folders[i], set.width_px(), set.height_px(), {}}));
     progress.add();
   }
   write_model_mesh(folder, mesh.model, entries);
@@ -156,8 +217,9 @@ Model bake(const Scan& scan, const Regions& regions, const MaterialTable& table,
     out.sets[i].folder = folders[i];
     SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, frames, source.get(), out.sets[i]);
     TextureSet& maps = mesh.model.sets[i];
-    for (const MapKind& kind : kMapKinds) maps.*kind.image = set.take(kind.image);
-    maps.valid = set.take(&TextureSet::valid);
+    run_in_pairs(
+        map_jobs(set, [&](const MapKind& kind, Image image) { maps.*kind.image = std::move(image); }));
+    maps.valid = image_of_valid(set.valid());
   }
   return std::move(mesh.model);
 }

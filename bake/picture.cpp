@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <stdexcept>
 
 #include "dataset/model/colour.h"
 #include "dataset/model/error.h"
@@ -31,60 +32,10 @@ std::vector<float> srgb_table() {
   return table;
 }
 
-/// The pixels that a texel reads along one axis.
-struct Taps {
-  int first;                   // may lie outside the picture: it repeats
-  std::vector<float> weights;  // sum 1
-};
-
-std::vector<Taps> taps_along(int picture_px, int map_px) {
-  std::vector<Taps> taps(map_px);
-  for (int i = 0; i < map_px; ++i) {
-    if (picture_px == map_px) {
-      taps[i] = {i, {1.0f}};
-      continue;
-    }
-    const double scale = static_cast<double>(picture_px) / map_px;
-    if (picture_px > map_px) {
-      const double low = i * scale, high = (i + 1) * scale;
-      Taps& tap = taps[i];
-      tap.first = static_cast<int>(std::floor(low));
-      for (int j = tap.first; j < high; ++j) {
-        const double part = std::min<double>(high, j + 1) - std::max<double>(low, j);
-        if (part > 1e-9) tap.weights.push_back(static_cast<float>(part / scale));
-      }
-    } else {
-      const double centre = (i + 0.5) * scale - 0.5, whole = std::floor(centre);
-      const float next = static_cast<float>(centre - whole);
-      taps[i] = {static_cast<int>(whole), {1 - next, next}};
-    }
-  }
-  return taps;
-}
-
 int repeated(int i, int size) {
+  if (i >= 0 && i < size) return i;
   const int rest = i % size;
   return rest < 0 ? rest + size : rest;
-}
-
-/// Weighted sum of the picture over the two axes' taps; gives the sum of the weights.
-float accumulate(const Image& picture, const Image* pixel_weights, const Taps& column, const Taps& row,
-                 float* out) {
-  float total = 0;
-  std::fill(out, out + picture.channels, 0.0f);
-  for (size_t j = 0; j < row.weights.size(); ++j) {
-    const int y = repeated(row.first + static_cast<int>(j), picture.height_px);
-    for (size_t i = 0; i < column.weights.size(); ++i) {
-      const int x = repeated(column.first + static_cast<int>(i), picture.width_px);
-      float weight = row.weights[j] * column.weights[i];
-      if (pixel_weights) weight *= pixel_weights->pixel(x, y)[0];
-      if (weight == 0) continue;
-      const float* const pixel = picture.pixel(x, y);
-      for (int c = 0; c < picture.channels; ++c) out[c] += weight * pixel[c];
-      total += weight;
-    }
-  }
-  return total;
 }
 
 }  // namespace
@@ -156,19 +107,84 @@ uint64_t normalise_pixels(Image& image) {
   return zero_length;
 }
 
+Resampler::Taps::Taps(int picture_px, int map_px) {
+  const double scale = static_cast<double>(picture_px) / map_px;
+  for (int i = 0; i < map_px; ++i) {
+    begin.push_back(weights.size());
+    if (picture_px == map_px) {
+      first.push_back(i);
+      weights.push_back(1);
+    } else if (picture_px > map_px) {
+      const double low = i * scale, high = (i + 1) * scale;
+      first.push_back(static_cast<int>(std::floor(low)));
+      for (int j = first.back(); j < high; ++j) {
+        const double part = std::min<double>(high, j + 1) - std::max<double>(low, j);
+        if (part > 1e-9) weights.push_back(static_cast<float>(part / scale));
+      }
+    } else {
+      const double centre = (i + 0.5) * scale - 0.5, whole = std::floor(centre);
+      const float next = static_cast<float>(centre - whole);
+      first.push_back(static_cast<int>(whole));
+      weights.push_back(1 - next);
+      weights.push_back(next);
+    }
+  }
+  begin.push_back(weights.size());
+}
+
+Resampler::Resampler(const Image& picture, int width_px, int height_px, const ResampleWeights& weights)
+    : picture_(picture),
+      pixel_weights_(weights.pixel_weights.values.empty() ? nullptr : &weights.pixel_weights),
+      columns_(picture.width_px, width_px),
+      rows_(picture.height_px, height_px) {}
+
+/// Weighted sum of the picture over the two axes' taps; gives the sum of the weights.
+template <int kChannels>
+float Resampler::accumulate(const Image* pixel_weights, int x, int y, float* out) const {
+  float total = 0;
+  std::fill(out, out + kChannels, 0.0f);
+  for (size_t j = rows_.begin[y]; j < rows_.begin[y + 1]; ++j) {
+    const int row = repeated(rows_.first[y] + static_cast<int>(j - rows_.begin[y]), picture_.height_px);
+    for (size_t i = columns_.begin[x]; i < columns_.begin[x + 1]; ++i) {
+      const int column =
+          repeated(columns_.first[x] + static_cast<int>(i - columns_.begin[x]), picture_.width_px);
+      const size_t pixel = static_cast<size_t>(row) * picture_.width_px + column;
+      float weight = rows_.weights[j] * columns_.weights[i];
+      if (pixel_weights) weight *= pixel_weights->values[pixel];
+      if (weight == 0) continue;
+      for (int c = 0; c < kChannels; ++c) out[c] += weight * picture_.values[pixel * kChannels + c];
+      total += weight;
+    }
+  }
+  return total;
+}
+
+template <int kChannels>
+void Resampler::texel_of(int x, int y, float* out) const {
+  float total = accumulate<kChannels>(pixel_weights_, x, y, out);
+  if (total < 1e-12f) total = accumulate<kChannels>(nullptr, x, y, out);
+  for (int c = 0; c < kChannels; ++c) out[c] /= total;
+}
+
+void Resampler::texel(int x, int y, float* out) const {
+  switch (picture_.channels) {
+    case 1:
+      return texel_of<1>(x, y, out);
+    case 3:
+      return texel_of<3>(x, y, out);
+    case 4:
+      return texel_of<4>(x, y, out);
+    default:
+      throw std::logic_error("Resampler: channels");
+  }
+}
+
 Image resample(Image picture, int width_px, int height_px, const ResampleWeights& weights) {
   if (picture.width_px == width_px && picture.height_px == height_px) return picture;
-  const std::vector<Taps> columns = taps_along(picture.width_px, width_px);
-  const std::vector<Taps> rows = taps_along(picture.height_px, height_px);
-  const Image* const pixel_weights = weights.pixel_weights.values.empty() ? nullptr : &weights.pixel_weights;
+  const Resampler resampler(picture, width_px, height_px, weights);
   Image map(width_px, height_px, picture.channels);
   tbb::parallel_for(0, height_px, [&](int y) {
-    for (int x = 0; x < width_px; ++x) {
-      float* const out = map.pixel(x, y);
-      float total = accumulate(picture, pixel_weights, columns[x], rows[y], out);
-      if (total < 1e-12f) total = accumulate(picture, nullptr, columns[x], rows[y], out);
-      for (int c = 0; c < map.channels; ++c) out[c] /= total;
-    }
+    for (int x = 0; x < width_px; ++x) resampler.texel(x, y, map.pixel(x, y));
   });
   return map;
 }

@@ -35,6 +35,31 @@ struct ResampleWeights {
 };
 Image resample(Image picture, int width_px, int height_px, const ResampleWeights& weights = {});
 
+/// The same, texel by texel. The picture and its weights must outlive this.
+class Resampler {
+ public:
+  Resampler(const Image& picture, int width_px, int height_px, const ResampleWeights& weights);
+  /// `out`: as many values as the picture has channels.
+  void texel(int x, int y, float* out) const;
+
+ private:
+  /// The pixels that the texels along one axis read.
+  struct Taps {
+    std::vector<int> first;      // of each texel; may lie outside the picture: it repeats
+    std::vector<size_t> begin;   // its weights: [begin[i], begin[i + 1])
+    std::vector<float> weights;  // of each texel: sum 1
+    Taps(int picture_px, int map_px);
+  };
+  template <int kChannels>
+  float accumulate(const Image* pixel_weights, int x, int y, float* out) const;
+  template <int kChannels>
+  void texel_of(int x, int y, float* out) const;
+
+  const Image& picture_;
+  const Image* pixel_weights_;  // null: all 1
+  Taps columns_, rows_;
+};
+
 /// Makes each pixel of a 3-channel image a unit vector; (0,0,1) where it has no length. Gives their number.
 uint64_t normalise_pixels(Image& image);
 

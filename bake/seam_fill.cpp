@@ -11,46 +11,12 @@ namespace ohb {
 namespace {
 
 int wrapped(int i, int size) {
+  if (i >= 0 && i < size) return i;
   const int rest = i % size;
   return rest < 0 ? rest + size : rest;
 }
 
-/// Texel space, y down, centres at whole numbers.
-struct Placed {
-  Vec2f from, to, inward;  // inward: unit, into the triangle
-  float length_px;
-};
-
-Placed place(const SeamSide& side, int width_px, int height_px) {
-  const auto in_px = [&](Vec2f uv) {
-    return Vec2f{uv.x * static_cast<float>(width_px) - 0.5f,
-                 (1 - uv.y) * static_cast<float>(height_px) - 0.5f};
-  };
-  Placed placed;
-  placed.from = in_px(side.uv[0]);
-  placed.to = in_px(side.uv[1]);
-  const Vec2f edge = placed.to - placed.from, to_apex = in_px(side.apex) - placed.from;
-  placed.length_px = std::sqrt(dot(edge, edge));
-  const Vec2f left{-edge.y, edge.x};
-  const float scale = (dot(left, to_apex) >= 0 ? 1.0f : -1.0f) / std::max(placed.length_px, 1e-20f);
-  placed.inward = left * scale;
-  return placed;
-}
-
 constexpr float kShortest_px = 1e-3f;
-
-/// A point beside an edge: how far outwards, how far along (0 to 1 on it), how far from it.
-struct Beside {
-  float outward_px, along, squared_distance;
-};
-
-Beside beside_of(const Placed& edge, Vec2f point) {
-  const Vec2f direction = edge.to - edge.from, to_point = point - edge.from;
-  const float outward = -dot(to_point, edge.inward);
-  const float along = dot(to_point, direction) / (edge.length_px * edge.length_px);
-  const float past_end = (along - std::clamp(along, 0.0f, 1.0f)) * edge.length_px;
-  return {outward, along, outward * outward + past_end * past_end};
-}
 
 /// The bilinear lookup at a point of texel space; false if one of its texels is not covered.
 bool read_covered(const Image& map, const std::vector<uint8_t>& is_covered, Vec2f at, Vec3f& value) {
@@ -68,30 +34,93 @@ bool read_covered(const Image& map, const std::vector<uint8_t>& is_covered, Vec2
 
 }  // namespace
 
+SeamBand::Placed::Placed(const SeamSide& side, int width_px, int height_px) {
+  const auto in_px = [&](Vec2f uv) {
+    return Vec2f{uv.x * static_cast<float>(width_px) - 0.5f,
+                 (1 - uv.y) * static_cast<float>(height_px) - 0.5f};
+  };
+  from = in_px(side.uv[0]);
+  to = in_px(side.uv[1]);
+  const Vec2f edge = to - from, to_apex = in_px(side.apex) - from;
+  length_px = std::sqrt(dot(edge, edge));
+  const Vec2f left{-edge.y, edge.x};
+  const float scale = (dot(left, to_apex) >= 0 ? 1.0f : -1.0f) / std::max(length_px, 1e-20f);
+  inward = left * scale;
+}
+
+SeamBand::Beside::Beside(const Placed& edge, Vec2f point) {
+  const Vec2f direction = edge.to - edge.from, to_point = point - edge.from;
+  outward_px = -dot(to_point, edge.inward);
+  along = dot(to_point, direction) / (edge.length_px * edge.length_px);
+  const float past_end = (along - std::clamp(along, 0.0f, 1.0f)) * edge.length_px;
+  squared_distance = outward_px * outward_px + past_end * past_end;
+}
+
+/// Some rows of the map and the sides that reach them, in ascending order: one task.
+struct SeamBand::RowBand {
+  int first_row, last_row;
+  std::vector<uint32_t> sides;
+};
+
+namespace {
+
+/// Whole numbers within kSeamBand_px of both.
+struct Reach {
+  int first, last;
+  Reach(float a, float b)
+      : first(static_cast<int>(std::floor(std::min(a, b))) - kSeamBand_px),
+        last(static_cast<int>(std::ceil(std::max(a, b))) + kSeamBand_px) {}
+};
+
+}  // namespace
+
+std::vector<SeamBand::RowBand> SeamBand::row_bands() const {
+  constexpr int kRows = 64;
+  std::vector<RowBand> bands;
+  for (int row = 0; row < height_px_; row += kRows)
+    bands.push_back({row, std::min(row + kRows, height_px_) - 1, {}});
+  for (uint32_t s = 0; s < placed_.size(); ++s) {
+    if (!(placed_[s].length_px > kShortest_px && placed_[s ^ 1].length_px > kShortest_px)) continue;
+    const Reach rows(placed_[s].from.y, placed_[s].to.y);
+    for (int y = rows.first; y <= rows.last;) {
+      RowBand& band = bands[wrapped(y, height_px_) / kRows];
+      if (band.sides.empty() || band.sides.back() != s) band.sides.push_back(s);
+      y += band.last_row - wrapped(y, height_px_) + 1;
+    }
+  }
+  return bands;
+}
+
+void SeamBand::claim_texels(const RowBand& band, const std::vector<uint8_t>& is_face) {
+  std::vector<float> squared_distance(static_cast<size_t>(width_px_) * (band.last_row - band.first_row + 1),
+                                      float(kSeamBand_px) * kSeamBand_px);
+  for (uint32_t s : band.sides) {
+    const Placed& edge = placed_[s];
+    const Reach rows(edge.from.y, edge.to.y), columns(edge.from.x, edge.to.x);
+    for (int y = rows.first; y <= rows.last; ++y) {
+      const int row = wrapped(y, height_px_);
+      if (row < band.first_row || row > band.last_row) continue;
+      for (int x = columns.first; x <= columns.last; ++x) {
+        const int column = wrapped(x, width_px_);
+        const size_t index = static_cast<size_t>(row) * width_px_ + column;
+        if (is_face[index]) continue;
+        const Beside beside(edge, {static_cast<float>(x), static_cast<float>(y)});
+        float& nearest = squared_distance[static_cast<size_t>(row - band.first_row) * width_px_ + column];
+        if (!(beside.outward_px > 0 && beside.squared_distance < nearest)) continue;
+        nearest = beside.squared_distance;
+        side_[index] = s;
+      }
+    }
+  }
+}
+
 SeamBand::SeamBand(const std::vector<Seam>& seams, const std::vector<uint8_t>& is_face, int width_px,
                    int height_px)
     : seams_(seams), width_px_(width_px), height_px_(height_px), side_(is_face.size(), kNone) {
-  std::vector<float> squared_distance(is_face.size(), float(kSeamBand_px) * kSeamBand_px);
-  for (uint32_t s = 0; s < 2 * seams.size(); ++s) {
-    const Placed edge = place(seams[s / 2].side[s % 2], width_px, height_px);
-    const Placed other = place(seams[s / 2].side[1 - s % 2], width_px, height_px);
-    if (!(edge.length_px > kShortest_px && other.length_px > kShortest_px)) continue;
-    const auto first = [](float a, float b) {
-      return static_cast<int>(std::floor(std::min(a, b))) - kSeamBand_px;
-    };
-    const auto last = [](float a, float b) {
-      return static_cast<int>(std::ceil(std::max(a, b))) + kSeamBand_px;
-    };
-    for (int y = first(edge.from.y, edge.to.y); y <= last(edge.from.y, edge.to.y); ++y)
-      for (int x = first(edge.from.x, edge.to.x); x <= last(edge.from.x, edge.to.x); ++x) {
-        const size_t index = static_cast<size_t>(wrapped(y, height_px)) * width_px + wrapped(x, width_px);
-        if (is_face[index]) continue;
-        const Beside beside = beside_of(edge, {static_cast<float>(x), static_cast<float>(y)});
-        if (!(beside.outward_px > 0 && beside.squared_distance < squared_distance[index])) continue;
-        squared_distance[index] = beside.squared_distance;
-        side_[index] = s;
-      }
-  }
+  for (const Seam& seam : seams)
+    for (const SeamSide& side : seam.side) placed_.emplace_back(side, width_px, height_px);
+  const std::vector<RowBand> bands = row_bands();
+  tbb::parallel_for(size_t{0}, bands.size(), [&](size_t b) { claim_texels(bands[b], is_face); });
 }
 
 std::vector<uint8_t> SeamBand::fill(Image& map, const std::vector<uint8_t>& is_covered,
@@ -103,13 +132,13 @@ std::vector<uint8_t> SeamBand::fill(Image& map, const std::vector<uint8_t>& is_c
       if (side_[index] == kNone) continue;
       const Seam& seam = seams_[side_[index] / 2];
       const SeamSide &here = seam.side[side_[index] % 2], &there = seam.side[1 - side_[index] % 2];
-      const Placed edge = place(here, width_px_, height_px_), other = place(there, width_px_, height_px_);
+      const Placed &edge = placed_[side_[index]], &other = placed_[side_[index] ^ 1];
       // The copy of the map in which the edge lies.
       const Vec2f middle = 0.5f * (edge.from + edge.to);
       const float x = static_cast<float>(column), y = static_cast<float>(row);
       const Vec2f texel{x + std::round((middle.x - x) / float(width_px_)) * float(width_px_),
                         y + std::round((middle.y - y) / float(height_px_)) * float(height_px_)};
-      const Beside beside = beside_of(edge, texel);
+      const Beside beside(edge, texel);
       const float outward = beside.outward_px * other.length_px / edge.length_px;
       const Vec2f from = other.from + beside.along * (other.to - other.from) + outward * other.inward;
       Vec3f value;

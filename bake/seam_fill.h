@@ -14,8 +14,8 @@ constexpr int kSeamBand_px = 32;
 /// For each texel of the background within kSeamBand_px of a seam, the side beside it. 4 bytes a texel.
 class SeamBand {
  public:
-  /// Texels with is_face 0 belong to the nearest seam edge on whose outer side they lie. All arguments must
-  /// outlive this.
+  /// Texels with is_face 0 belong to the nearest seam edge on whose outer side they lie. `seams` must outlive
+  /// this.
   SeamBand(const std::vector<Seam>& seams, const std::vector<uint8_t>& is_face, int width_px, int height_px);
 
   /// Fills the band of one map: the edge's turn, scale and mirroring carry each texel into the chart on the
@@ -26,9 +26,25 @@ class SeamBand {
 
  private:
   static constexpr uint32_t kNone = 0xffffffffu;
+  /// A seam's side in texel space: y down, centres at whole numbers.
+  struct Placed {
+    Vec2f from, to, inward;  // inward: unit, into the triangle
+    float length_px;
+    Placed(const SeamSide& side, int width_px, int height_px);
+  };
+  /// A point beside an edge: how far outwards, how far along (0 to 1 on it), how far from it.
+  struct Beside {
+    float outward_px, along, squared_distance;
+    Beside(const Placed& edge, Vec2f point);
+  };
+  struct RowBand;
+  std::vector<RowBand> row_bands() const;
+  void claim_texels(const RowBand& band, const std::vector<uint8_t>& is_face);
+
   const std::vector<Seam>& seams_;
   int width_px_, height_px_;
-  std::vector<uint32_t> side_;  // 2 x seam + side of each texel, or kNone
+  std::vector<Placed> placed_;  // 2 x seam + side
+  std::vector<uint32_t> side_;  // of each texel, or kNone
 };
 
 }  // namespace ohb

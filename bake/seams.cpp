@@ -44,6 +44,7 @@ bool is_same(Vec2f a, Vec2f b) {
 }
 
 int wrapped(int i, int size) {
+  if (i >= 0 && i < size) return i;
   const int rest = i % size;
   return rest < 0 ? rest + size : rest;
 }

@@ -7,11 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "bake/padding.h"
 #include "bake/picture.h"
 #include "bake/seam_mend.h"
 #include "dataset/model/error.h"
+#include "dataset/model/model_files.h"
 
 namespace ohb {
 namespace {
@@ -238,8 +240,8 @@ Image SetBake::albedo() {
   return albedo;
 }
 
-Image SetBake::alpha() const {
-  if (from_source_) return source_.alpha;
+Image SetBake::alpha() {
+  if (from_source_) return std::move(source_.alpha);
   if (material_.alpha.empty()) return {};
   const Size size{width_px(), height_px()};
   Image alpha = read_alpha_picture(material_.alpha);
@@ -263,7 +265,7 @@ Image SetBake::normal() {
   return normal;
 }
 
-/// The shares of the classes at each texel, 4 channels; empty: borders are hard.
+/// The shares of the classes as `label` wrote them, 4 channels; empty: borders are hard.
 Image SetBake::class_shares() const {
   if (class_weights_.empty()) return {};
   const std::vector<ExrPart> parts = read_exr(class_weights_);
@@ -278,44 +280,50 @@ Image SetBake::class_shares() const {
       shares.values[kClassCount * i + static_cast<size_t>(c)] =
           part.image.values[part.channels.size() * i + static_cast<size_t>(channel - part.channels.begin())];
   }
+  return shares;
+}
+
+/// Roughness, specular and sss, unpadded.
+std::array<Image, 3> SetBake::class_maps() const {
+  constexpr float kLeastSum = 0.5f;  // less: no face was there when the shares were made
+  std::array<ClassMaterial, kClassCount> pure;
+  for (int c = 0; c < kClassCount; ++c) {
+    std::array<float, kClassCount> all_of_one{};
+    all_of_one[c] = 1;
+    pure[c] = mix_classes(table_, all_of_one);
+  }
+  const Image shares = class_shares();
   ResampleWeights known;  // texels of faces
   known.pixel_weights = Image(shares.width_px, shares.height_px, 1);
   for (size_t i = 0; i < known.pixel_weights.values.size(); ++i)
     known.pixel_weights.values[i] = shares.values[kClassCount * i] + shares.values[kClassCount * i + 1] +
                                     shares.values[kClassCount * i + 2] + shares.values[kClassCount * i + 3];
-  return resample(std::move(shares), width_px(), height_px(), known);
-}
-
-Image SetBake::class_map(float ClassMaterial::*value) const {
-  constexpr float kLeastSum = 0.5f;  // less: no face was there when the shares were made
-  std::array<float, kClassCount> pure;
-  for (int c = 0; c < kClassCount; ++c) {
-    std::array<float, kClassCount> shares{};
-    shares[c] = 1;
-    pure[c] = mix_classes(table_, shares).*value;
-  }
-  const Image shares = class_shares();
-  Image map(width_px(), height_px(), 1);
+  std::optional<Resampler> resampler;
+  if (!shares.values.empty()) resampler.emplace(shares, width_px(), height_px(), known);
+  std::array<Image, 3> maps;
+  for (Image& map : maps) map = Image(width_px(), height_px(), 1);
   tbb::parallel_for(0, height_px(), [&](int y) {
     for (int x = 0; x < width_px(); ++x) {
       const uint32_t owner = coverage_.owner_of(x, y);
       if (owner == TexelCoverage::kNone) continue;
-      float& out = *map.pixel(x, y);
-      out = pure[mesh_.model.triangles[triangles_.index[owner]].material_class];
-      if (shares.values.empty()) continue;
-      std::array<float, kClassCount> here;
-      std::copy_n(shares.pixel(x, y), kClassCount, here.begin());
+      ClassMaterial out = pure[mesh_.model.triangles[triangles_.index[owner]].material_class];
+      std::array<float, kClassCount> here{};
+      if (resampler) resampler->texel(x, y, here.data());
       const float sum = here[0] + here[1] + here[2] + here[3];
-      if (sum < kLeastSum) continue;
-      for (float& share : here) share /= sum;
-      out = mix_classes(table_, here).*value;
+      if (sum >= kLeastSum) {
+        for (float& share : here) share /= sum;
+        out = mix_classes(table_, here);
+      }
+      *maps[0].pixel(x, y) = out.roughness;
+      *maps[1].pixel(x, y) = out.specular;
+      *maps[2].pixel(x, y) = out.sss;
     }
   });
-  return map;
+  return maps;
 }
 
-Image SetBake::displacement() const {
-  if (from_source_) return source_.displacement;
+Image SetBake::displacement() {
+  if (from_source_) return std::move(source_.displacement);
   const int width = width_px(), height = height_px();
   Image map(width, height, 1);
   tbb::parallel_for(0, height, [&](int y) {
@@ -333,14 +341,14 @@ Image SetBake::displacement() const {
   return map;
 }
 
-Image SetBake::valid() const {
-  Image map(width_px(), height_px(), 1);
-  for (size_t i = 0; i < has_value_.size(); ++i) map.values[i] = has_value_[i] ? 1.0f : 0.5f;
+ByteImage SetBake::valid() const {
+  ByteImage map(width_px(), height_px(), 1);
+  for (size_t i = 0; i < has_value_.size(); ++i) map.values[i] = has_value_[i] ? 255 : 128;
   return map;
 }
 
 Image SetBake::finished(Image image, const char* map, const std::vector<uint8_t>& is_covered,
-                        MapValues values) const {
+                        MapValues values) {
   if (image.values.empty()) return image;
   const bool is_normals = values == MapValues::kNormals;
   const std::vector<uint8_t> covered = band_ ? band_->fill(image, is_covered, is_normals) : is_covered;
@@ -358,40 +366,67 @@ Image SetBake::finished(Image image, const char* map, const std::vector<uint8_t>
   if (mends_seams_ && is_mended)
     report.most_changed = mend_seams(image, seams_, is_inside_, values, is_normals ? 0.008f : 0.5f / 255);
   report.levels = seam_errors(image, seams_, values);
-  report_.seams.push_back(std::move(report));
+  report_seams(std::move(report));
   return image;
 }
 
-Image SetBake::take(Image TextureSet::*map) {
-  const MapValues plain = MapValues::kPlain;
-  if (map == &TextureSet::albedo) return finished(albedo(), "albedo", has_value_, MapValues::kLinearColour);
-  if (map == &TextureSet::alpha) return finished(alpha(), "alpha", has_value_, plain);
-  if (map == &TextureSet::normal) return finished(normal(), "normal", has_value_, MapValues::kNormals);
-  if (map == &TextureSet::roughness)
-    return finished(class_map(&ClassMaterial::roughness), "roughness", has_class_, plain);
-  if (map == &TextureSet::specular)
-    return finished(class_map(&ClassMaterial::specular), "specular", has_class_, plain);
-  if (map == &TextureSet::sss) return finished(class_map(&ClassMaterial::sss), "sss", has_class_, plain);
-  if (map == &TextureSet::displacement)
-    return finished(displacement(), "displacement", has_value_, MapValues::kLength);
-  return valid();
+/// In the order of kMapKinds, whichever map is ready first.
+void SetBake::report_seams(MapSeams seams) {
+  const auto place = [](const MapSeams& of) {
+    return std::find_if(kMapKinds.begin(), kMapKinds.end(),
+                        [&](const MapKind& kind) { return kind.name == of.map; }) -
+           kMapKinds.begin();
+  };
+  const std::lock_guard lock(report_mutex_);
+  const auto after = std::find_if(report_.seams.begin(), report_.seams.end(),
+                                  [&](const MapSeams& other) { return place(other) > place(seams); });
+  report_.seams.insert(after, std::move(seams));
 }
 
-Image SetBake::debug() const {
+Image SetBake::take_albedo() {
+  return finished(albedo(), "albedo", has_value_, MapValues::kLinearColour);
+}
+
+Image SetBake::take_alpha() {
+  return finished(alpha(), "alpha", has_value_, MapValues::kPlain);
+}
+
+Image SetBake::take_normal() {
+  return finished(normal(), "normal", has_value_, MapValues::kNormals);
+}
+
+std::array<Image, 3> SetBake::take_class_maps() {
+  constexpr const char* kNames[3] = {"roughness", "specular", "sss"};
+  std::array<Image, 3> maps = class_maps();
+  for (int i = 0; i < 3; ++i)
+    maps[i] = finished(std::move(maps[i]), kNames[i], has_class_, MapValues::kPlain);
+  return maps;
+}
+
+Image SetBake::take_displacement() {
+  return finished(displacement(), "displacement", has_value_, MapValues::kLength);
+}
+
+ByteImage SetBake::debug() const {
   if (!from_source_ && coverage_.overlapping_texels == 0) return {};
-  Image map(width_px(), height_px(), 3);
+  constexpr uint8_t kFull = 255, kQuarter = 64;
+  ByteImage map(width_px(), height_px(), 3);
   tbb::parallel_for(size_t{0}, has_class_.size(), [&](size_t i) {
-    Vec3f colour{0, 0, 0};
-    if (has_class_[i]) colour = {0, 0.25f, 0};
+    std::array<uint8_t, 3> colour{};
+    if (has_class_[i]) colour = {0, kQuarter, 0};
     if (from_source_) {
-      const float share = reach_cm_ > 0 ? std::min(1.0f, std::fabs(source_.height.values[i]) / reach_cm_) : 0;
-      if (source_.results[i] == RayResult::kHit) colour = {0, 0.25f + 0.75f * share, 0};
-      if (source_.results[i] == RayResult::kNearest) colour = {0, 0.25f + 0.75f * share, 1};
-      if (source_.results[i] == RayResult::kMissed) colour = {1, 0, 0};
-      if (source_.results[i] == RayResult::kBackFace) colour = {1, 0, 1};
+      const auto green = [&] {
+        const float distance = std::fabs(source_.height.values[i]);
+        const float share = reach_cm_ > 0 ? std::min(1.0f, distance / reach_cm_) : 0;
+        return static_cast<uint8_t>(kQuarter + std::lround(share * (kFull - kQuarter)));
+      };
+      if (source_.results[i] == RayResult::kHit) colour = {0, green(), 0};
+      if (source_.results[i] == RayResult::kNearest) colour = {0, green(), kFull};
+      if (source_.results[i] == RayResult::kMissed) colour = {kFull, 0, 0};
+      if (source_.results[i] == RayResult::kBackFace) colour = {kFull, 0, kFull};
     }
-    if ((coverage_.flags[i] & TexelCoverage::kOverlapping)) colour = {1, 1, 0};
-    for (int c = 0; c < 3; ++c) map.values[3 * i + c] = colour[c];
+    if ((coverage_.flags[i] & TexelCoverage::kOverlapping)) colour = {kFull, kFull, 0};
+    std::copy(colour.begin(), colour.end(), &map.values[3 * i]);
   });
   return map;
 }

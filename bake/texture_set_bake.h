@@ -2,7 +2,9 @@
 // once.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "bake/bake.h"
@@ -27,25 +29,30 @@ class SetBake {
 
   int width_px() const { return coverage_.width_px; }
   int height_px() const { return coverage_.height_px; }
-  /// A finished, padded map; empty if the set has none of this kind. Ask once for each.
-  Image take(Image TextureSet::*map);
+  // Finished, padded maps; empty if the set has none of this kind. Take each once, from any thread.
+  Image take_albedo();
+  Image take_alpha();
+  Image take_normal();
+  std::array<Image, 3> take_class_maps();  // roughness, specular, sss
+  Image take_displacement();
   Image take_height();         // cm along the low mesh's normal; empty without a source
   Image take_object_normal();  // empty unless wanted
+  /// 255 where a texel has a value of its own, else 128.
+  ByteImage valid() const;
   /// Colours of what each texel found, as docs/commands/bake.md lists them; empty without a source and
-  /// overlaps.
-  Image debug() const;
+  /// overlaps. Before take_height.
+  ByteImage debug() const;
 
  private:
   Image albedo();
-  Image alpha() const;
+  Image alpha();
   Image normal();
   Image class_shares() const;
-  Image class_map(float ClassMaterial::*value) const;
-  Image displacement() const;
-  Image valid() const;
+  std::array<Image, 3> class_maps() const;
+  Image displacement();
   /// Fills the background of a map (band beside the seams, then the rest), mends its seams and reports them.
-  Image finished(Image image, const char* map, const std::vector<uint8_t>& is_covered,
-                 MapValues values) const;
+  Image finished(Image image, const char* map, const std::vector<uint8_t>& is_covered, MapValues values);
+  void report_seams(MapSeams seams);
   void report_source();
 
   const CanonicalMesh& mesh_;
@@ -54,6 +61,7 @@ class SetBake {
   GreenChannel green_;
   std::filesystem::path class_weights_;  // empty: hard borders
   SetReport& report_;
+  std::mutex report_mutex_;
   SetTriangles triangles_;
   TexelCoverage coverage_;
   std::vector<uint8_t> has_class_,

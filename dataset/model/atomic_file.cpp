@@ -145,9 +145,18 @@ std::string read_file(const fs::path& file) {
   if (fs::is_directory(file))
     throw InputError(file.string(), "", "is a folder, not a file", "name the file in it");
   std::ifstream stream(file, std::ios::binary);
-  std::string content((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-  if (!stream.good() && !stream.eof())
-    throw InputError(file.string(), "", "cannot be read", "check its permissions");
+  std::string content;
+  std::error_code error;
+  constexpr size_t kBlock = size_t{1} << 20;
+  const uintmax_t size = fs::file_size(file, error);
+  if (!error) content.reserve(size + kBlock);
+  while (stream) {
+    const size_t before = content.size();
+    content.resize(before + kBlock);
+    stream.read(&content[before], kBlock);
+    content.resize(before + static_cast<size_t>(stream.gcount()));
+  }
+  if (!stream.eof()) throw InputError(file.string(), "", "cannot be read", "check its permissions");
   return content;
 }
 

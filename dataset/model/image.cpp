@@ -181,6 +181,20 @@ const std::vector<float>& writable_values(const ExrPart& part, std::vector<float
   return copy;
 }
 
+void write_png(const fs::path& file, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* values) {
+  // The values are written as they are; OpenImageIO would otherwise un-premultiply them.
+  spec.attribute("oiio:UnassociatedAlpha", 1);
+  spec.attribute("DateTime", kFixedDateTime);
+  // Encoded in memory first: libpng leaks when its output fails, and the encoded file is small.
+  OIIO::Filesystem::IOVecOutput bytes;
+  auto output = OIIO::ImageOutput::create("png");
+  if (!output) throw std::logic_error("OpenImageIO has no PNG writer");
+  output->set_ioproxy(&bytes);
+  if (!output->open(file.string(), spec) || !output->write_image(type, values) || !output->close())
+    throw std::logic_error("write_png: " + output->geterror());
+  write_file_atomically(file, std::string(bytes.buffer().begin(), bytes.buffer().end()));
+}
+
 }  // namespace
 
 Image read_image(const fs::path& file, ImageFileInfo* info) {
@@ -248,21 +262,18 @@ std::vector<ExrPart> read_exr(const fs::path& file, ExrAttributes* attributes) {
 
 void write_png(const fs::path& file, const Image& image, int bits) {
   const OIIO::TypeDesc type = bits == 16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::UINT8;
-  OIIO::ImageSpec spec(image.width_px, image.height_px, image.channels, type);
-  // The values are written as they are; OpenImageIO would otherwise un-premultiply them.
-  spec.attribute("oiio:UnassociatedAlpha", 1);
-  spec.attribute("DateTime", kFixedDateTime);
   std::vector<float> values = image.values;
   for (float& value : values) value = std::isfinite(value) ? std::clamp(value, 0.0f, 1.0f) : 0.0f;
-  // Encoded in memory first: libpng leaks when its output fails, and the encoded file is small.
-  OIIO::Filesystem::IOVecOutput bytes;
-  auto output = OIIO::ImageOutput::create("png");
-  if (!output) throw std::logic_error("OpenImageIO has no PNG writer");
-  output->set_ioproxy(&bytes);
-  if (!output->open(file.string(), spec) || !output->write_image(OIIO::TypeDesc::FLOAT, values.data()) ||
-      !output->close())
-    throw std::logic_error("write_png: " + output->geterror());
-  write_file_atomically(file, std::string(bytes.buffer().begin(), bytes.buffer().end()));
+  write_png(file, OIIO::ImageSpec(image.width_px, image.height_px, image.channels, type),
+            OIIO::TypeDesc::FLOAT, values.data());
+}
+
+void write_png(const fs::path& file, const ByteImage& image) {
+  OIIO::ImageSpec spec(image.width_px, image.height_px, image.channels, OIIO::TypeDesc::UINT8);
+  constexpr int kPngFilterNone = 8;  // libpng's PNG_FILTER_NONE
+  spec.attribute("png:compressionLevel", 1);
+  spec.attribute("png:filter", kPngFilterNone);
+  write_png(file, spec, OIIO::TypeDesc::UINT8, image.values.data());
 }
 
 const ExrPart& find_part(const std::vector<ExrPart>& parts, const std::string& name, const fs::path& file) {

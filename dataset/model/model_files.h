@@ -40,10 +40,10 @@ struct TextureSetEntry {
 /// Folder names for sets of these names: portable characters only, unique even where case is ignored.
 std::vector<std::string> texture_set_folders(const std::vector<std::string>& names);
 
-/// One map of a set into maps/<entry.folder>/ of the MODEL at `folder`, with its preview; notes it in
-/// `entry`, whose size it must have. An empty image: nothing, or a flat normal map that is not noted.
-void write_texture_map(const std::filesystem::path& folder, const MapKind& kind, Image image,
-                       TextureSetEntry& entry);
+/// One map of a set into maps/<entry.folder>/ of the MODEL at `folder`, with its preview; it must have the
+/// entry's size. An empty image: nothing, or a flat normal map. Gives whether model.xml names the map.
+bool write_texture_map(const std::filesystem::path& folder, const MapKind& kind, Image image,
+                       const TextureSetEntry& entry);
 
 /// maps/<set_folder>/ of the MODEL at `folder`; each map's memory is freed once it is on disk.
 /// Throws as write_model.

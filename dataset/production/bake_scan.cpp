@@ -1,5 +1,7 @@
 #include "dataset/production/bake_scan.h"
 
+#include <algorithm>
+
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
@@ -50,7 +52,9 @@ std::vector<GreenChannel> green_channels(const Scan& scan, const std::string& no
     throw InputError("--normals", "", "'" + normals + "' is not known", "write auto, opengl or directx");
   std::vector<GreenChannel> green(scan.materials.size(),
                                   normals == "directx" ? GreenChannel::kDown : GreenChannel::kUp);
-  if (normals != "auto") return green;
+  const auto has_normals = [](const ScanMaterial& material) { return !material.normal.empty(); };
+  if (normals != "auto" || std::none_of(scan.materials.begin(), scan.materials.end(), has_normals))
+    return green;
   const std::vector<ScanTriangle> triangles = triangulate(scan);
   const MeshTopology topology = mesh_topology(scan);
   const std::vector<uint32_t> chart_of_face = uv_charts(scan);
