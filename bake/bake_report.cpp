@@ -45,6 +45,13 @@ std::vector<std::string> warnings_of(const BakeReport& report) {
                        set.triangles_without_uv_area));
     if (set.uvs_outside > 0)
       warn(fmt::format("{} corners have UVs outside [0,1]; the picture is repeated there", set.uvs_outside));
+    const double inward =
+        share(double(set.inward_normal_texels), double(set.hit_texels + set.nearest_texels));
+    if (inward > kMaxInwardNormalShare)
+      warn(fmt::format(
+          "the source's smooth normals point into the scan at {:.1f} % of its texels: its faces do "
+          "not agree on which side is outside; make its normals consistent and export it again",
+          100 * inward));
     if (set.zero_length_normals > 0)
       warn(fmt::format("{} pixels of {} hold no direction and became flat", set.zero_length_normals,
                        set.normal));
@@ -114,6 +121,7 @@ nlohmann::ordered_json to_json(const BakeReport& report) {
                                        {"nearest_texels", set.nearest_texels},
                                        {"missed_texels", set.missed_texels},
                                        {"back_face_texels", set.back_face_texels},
+                                       {"inward_normal_texels", set.inward_normal_texels},
                                        {"mean_distance_cm", set.mean_distance_cm},
                                        {"max_distance_cm", set.max_distance_cm}};
   }

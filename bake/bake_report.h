@@ -42,6 +42,7 @@ struct SetReport {
   std::vector<MapSeams> seams;
   // From a source: what the texels that show a face found, and how far away along their normals.
   uint64_t hit_texels = 0, nearest_texels = 0, missed_texels = 0, back_face_texels = 0;
+  uint64_t inward_normal_texels = 0;  // whose normal points into the scan
   double mean_distance_cm = 0, max_distance_cm = 0;  // of the absolute distances
 };
 
@@ -64,6 +65,7 @@ constexpr double kMaxOverlapShare = 0.001;        // of the texels whose centre 
 constexpr double kMaxMissedShare = 0.001;         // of the texels that show a face: the default, fails
 constexpr double kMaxSourceOverlapShare = 0.001;  // of the covered texels, with a source: the default, fails
 constexpr double kReachShare = 0.01;              // of the low mesh's diagonal: the default reach
+constexpr double kMaxInwardNormalShare = 0.001;   // of the texels that found a source
 constexpr double kMaxTexelLessAreaShare = 0.001;  // of a set's area
 
 /// One line each for what exceeds a limit, with the mend. Empty if all is well.

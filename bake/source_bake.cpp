@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bake/uv_charts.h"
+
 namespace ohb {
 namespace {
 
@@ -29,13 +31,24 @@ void set_steps(LowTriangle& triangle) {
   triangle.up = static_cast<float>(a.x / area) * ac - static_cast<float>(b.x / area) * ab;
 }
 
+/// A texel shows no more than its chart, however far its steps reach: a chart of a hundredth of a texel would
+/// else show the mean of all around it.
+void limit_steps(LowTriangle& triangle, float most_cm) {
+  for (Vec3f* step : {&triangle.across, &triangle.up})
+    if (const float size = length(*step); size > most_cm) *step = (most_cm / size) * *step;
+}
+
 class Pass {
  public:
   Pass(const Model& low, const std::vector<uint32_t>& triangles, const std::vector<UvTriangle>& uvs,
        const TexelCoverage& coverage, const SourceBake& bake)
       : coverage_(coverage), bake_(bake) {
     low_.reserve(triangles.size());
-    for (size_t i = 0; i < triangles.size(); ++i) low_.push_back(low_triangle(low, triangles[i], uvs[i]));
+    const UvCharts charts = find_charts(low, triangles, uvs, coverage.width_px, coverage.height_px);
+    for (size_t i = 0; i < triangles.size(); ++i) {
+      low_.push_back(low_triangle(low, triangles[i], uvs[i]));
+      limit_steps(low_.back(), charts.charts[charts.chart_of[i]].diagonal_cm);
+    }
     const int width = coverage.width_px, height = coverage.height_px;
     maps_.albedo = maps_.normal = Image(width, height, 3);
     maps_.displacement = maps_.height = Image(width, height, 1);

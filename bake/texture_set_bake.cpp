@@ -12,6 +12,7 @@
 #include "bake/padding.h"
 #include "bake/picture.h"
 #include "bake/seam_mend.h"
+#include "bake/uv_charts.h"
 #include "dataset/model/error.h"
 #include "dataset/model/model_files.h"
 
@@ -196,7 +197,9 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
   has_value_ = has_class_;
   is_inside_.resize(coverage_.flags.size());
   for (size_t i = 0; i < is_inside_.size(); ++i) is_inside_[i] = coverage_.flags[i] & TexelCoverage::kCentre;
-  seams_ = find_seams(mesh.model, triangles_.index, &frames);
+  const UvCharts charts = find_charts(mesh.model, triangles_.index, triangles_.uvs, width_px(), height_px());
+  seams_ = find_seams(mesh.model, triangles_with_seams(charts, triangles_.index, triangles_.uvs, coverage_),
+                      &frames);
   report.seam_edges = seams_.size();
   if (!seams_.empty()) band_ = std::make_unique<SeamBand>(seams_, has_class_, width_px(), height_px());
   if (!source) return;
@@ -217,6 +220,7 @@ void SetBake::report_source() {
     report_.missed_texels += result == RayResult::kMissed;
     report_.back_face_texels += result == RayResult::kBackFace;
     if (!has_value_[i]) continue;
+    report_.inward_normal_texels += source_.normal.values[3 * i + 2] <= 0;
     const double distance = std::fabs(source_.height.values[i]);
     sum += distance;
     report_.max_distance_cm = std::max(report_.max_distance_cm, distance);

@@ -134,13 +134,15 @@ void add_stress_chart(CLI::App& chart, Commands& commands) {
 
 }  // namespace
 
-void add_bake_chart(CLI::App& chart, Commands& commands);  // cmd_chart_bake.cpp
+void add_bake_chart(CLI::App& chart, Commands& commands);         // cmd_chart_bake.cpp
+void add_bake_stress_chart(CLI::App& chart, Commands& commands);  // cmd_chart_bake_stress.cpp
 
 void add_chart_command(CLI::App& app, Commands& commands) {
   CLI::App* chart = app.add_subcommand("chart", "Charts of error against time, and of hard cases");
   chart->require_subcommand(1);
   add_stress_chart(*chart, commands);
   add_bake_chart(*chart, commands);
+  add_bake_stress_chart(*chart, commands);
   CLI::App* command = chart->add_subcommand("speed-accuracy", "Ours beside Cycles on one view of a model");
   auto options = std::make_shared<Options>();
   SpeedAccuracySettings& settings = options->settings;

@@ -99,7 +99,7 @@ class Commands(unittest.TestCase):
     def test_every_command_has_help_with_examples(self):
         overview = run("--help")
         self.assertEqual(overview.returncode, DONE)
-        for command in ("inspect", "label", "bake", "render", "validate", "chart speed-accuracy", "chart stress", "chart bake"):
+        for command in ("inspect", "label", "bake", "render", "validate", "chart speed-accuracy", "chart stress", "chart bake", "chart bake-stress"):
             self.assertIn(command.split()[0], overview.stdout)
             result = run(*command.split(), "--help")
             self.assertEqual(result.returncode, DONE)
@@ -308,6 +308,16 @@ class Commands(unittest.TestCase):
                          {"chart.csv", "chart.gp", "chart.json", "chart.png", "chart.svg"})
         self.expect_refusal(run(*arguments, "--materials", self.scan, "-o", self.folder / "x"), "scan.obj")
         self.assertFalse((self.folder / "x").exists())
+
+    def test_chart_of_bake_stress(self):
+        chart = self.folder / "bake_stress"
+        result = run("chart", "bake-stress", "--case", "source far from the target", "-o", chart)
+        self.assertEqual(result.returncode, DONE, result.stdout + result.stderr)
+        self.assertIn("within its limits", result.stdout)
+        self.assertEqual({p.name for p in chart.iterdir() if not p.name.startswith(".")},
+                         {"chart.csv", "chart.gp", "chart.json", "chart.png", "chart.svg"})
+        self.assertIn("cm away from the scan", (chart / "chart.csv").read_text())
+        self.expect_refusal(run("chart", "bake-stress", "--case", "none", "-o", self.folder / "x"), "none")
 
     def test_chart_of_stress(self):
         catalogue = self.folder / "catalogue.json"

@@ -1,0 +1,73 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "dataset/cli/commands.h"
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/data_files.h"
+#include "dataset/model/error.h"
+#include "dataset/production/bake_stress.h"
+
+namespace ohb {
+namespace fs = std::filesystem;
+namespace {
+
+struct Options {
+  std::string catalogue, only, output;
+};
+
+void print_stress(const std::vector<BakeStressCaseResult>& results, const fs::path& output) {
+  for (const BakeStressCaseResult& c : results) {
+    std::printf("%-28s %s\n", c.stress.name.c_str(),
+                c.passes() ? "within its limits" : "NOT WITHIN ITS LIMITS");
+    for (const BakeStressResult& r : c.results)
+      for (const std::string& failure : r.failures)
+        std::printf("    %s %g: %s\n", c.stress.parameter.c_str(), r.point.at, failure.c_str());
+  }
+  std::printf("%s\n", (output / "chart.svg").c_str());
+}
+
+int run_stress_bake(const Options& options, const CommonOptions& common) {
+  const fs::path file = options.catalogue.empty() ? program_file("tests/stress/bake_catalogue.json")
+                                                  : fs::path(options.catalogue);
+  const std::vector<BakeStressCase> catalogue = read_bake_stress_catalogue(file);
+  AtomicFolder folder(options.output);
+  const fs::path scratch = folder.path() / "pictures";
+  fs::create_directories(scratch);
+  const std::vector<BakeStressCaseResult> results = run_bake_stress(catalogue, options.only, scratch);
+  fs::remove_all(scratch);
+  write_file_atomically(folder.path() / "chart.csv", bake_stress_csv(results));
+  write_file_atomically(folder.path() / "chart.json", bake_stress_json(results));
+  draw_bake_stress(results, folder.path());
+  folder.commit();
+  if (common.json)
+    std::printf("%s", bake_stress_json(results).c_str());
+  else
+    print_stress(results, options.output);
+  for (const BakeStressCaseResult& c : results)
+    if (!c.passes()) return kExitDifference;
+  return kExitDone;
+}
+
+}  // namespace
+
+void add_bake_stress_chart(CLI::App& chart, Commands& commands) {
+  CLI::App* command = chart.add_subcommand("bake-stress", "Bad unwraps, meshes and sources for bake");
+  auto options = std::make_shared<Options>();
+  command->add_option("--catalogue", options->catalogue,
+                      "cases and their limits (default: tests/stress/bake_catalogue.json)");
+  command->add_option("--case", options->only, "this case alone, by its name");
+  command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
+      ->required();
+  add_common_options(*command, commands.common);
+  command->footer(
+      "Examples:\n"
+      "  openhumanbrdf chart bake-stress -o stress\n"
+      "  openhumanbrdf chart bake-stress --case \"sliver charts\" -o stress\n"
+      "Exit code 1: a case is not within the limits that the catalogue states.");
+  command->callback([options, &commands] {
+    commands.run = [options, &commands] { return run_stress_bake(*options, commands.common); };
+  });
+}
+
+}  // namespace ohb

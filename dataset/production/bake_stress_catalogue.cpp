@@ -1,0 +1,86 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/error.h"
+#include "dataset/production/bake_stress.h"
+
+namespace ohb {
+using nlohmann::json;
+namespace {
+
+BakeStressAcceptance acceptance_of(const json& from, BakeStressAcceptance base) {
+  const std::pair<const char*, double*> numbers[] = {{"normal_deg", &base.normal_deg},
+                                                     {"colour", &base.colour},
+                                                     {"alpha", &base.alpha},
+                                                     {"depth_cm", &base.depth_cm},
+                                                     {"wrong", &base.wrong}};
+  const std::pair<const char*, std::string*> words[] = {{"refused", &base.refused}, {"warned", &base.warned}};
+  for (const auto& [key, value] : from.items()) {
+    bool is_known = false;
+    for (const auto& [name, number] : numbers)
+      if (key == name) {
+        *number = value.is_null() ? -1 : value.get<double>();
+        is_known = true;
+      }
+    for (const auto& [name, text] : words)
+      if (key == name) {
+        *text = value.get<std::string>();
+        is_known = true;
+      }
+    if (!is_known)
+      throw InputError("", "accept", "'" + key + "' is no measure", "see dataset/production/bake_stress.h");
+  }
+  return base;
+}
+
+BakeStressPoint point_of(const json& from, const BakeStressAcceptance& base) {
+  BakeStressPoint point;
+  point.accept = base;
+  if (from.is_number()) {
+    point.at = from;
+    return point;
+  }
+  point.at = from.at("at");
+  point.accept = acceptance_of(from.at("accept"), base);
+  point.why = from.at("why");
+  return point;
+}
+
+BakeStressCase case_of(const json& from) {
+  BakeStressCase stress;
+  stress.name = from.at("name");
+  stress.scene = from.at("scene");
+  stress.what = from.at("what");
+  stress.parameter = from.at("parameter");
+  stress.acceptable = from.at("acceptable");
+  stress.log_scale = from.value("log", false);
+  const BakeStressAcceptance base = acceptance_of(from.at("accept"), {});
+  for (const json& point : from.at("points")) stress.points.push_back(point_of(point, base));
+  if (stress.points.empty()) throw InputError("", "points", "there are none", "give one at least");
+  return stress;
+}
+
+}  // namespace
+
+std::vector<BakeStressCase> read_bake_stress_catalogue(const std::filesystem::path& file) {
+  std::vector<BakeStressCase> catalogue;
+  std::string place = "the file";
+  try {
+    const json whole = json::parse(read_file(file));
+    for (const json& each : whole.at("cases")) {
+      place = fmt::format("case {}", catalogue.size() + 1);
+      if (each.contains("name")) place += fmt::format(" ({})", each.at("name").get<std::string>());
+      catalogue.push_back(case_of(each));
+    }
+  } catch (const json::exception& error) {
+    throw InputError(file.string(), place, error.what(),
+                     "write it as tests/stress/bake_catalogue.json is written");
+  } catch (const InputError& error) {
+    throw InputError(file.string(), place, error.what(), "");
+  }
+  return catalogue;
+}
+
+}  // namespace ohb
