@@ -1,0 +1,64 @@
+#include "tests/bench/robot_run.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+
+#include "dataset/model/scan_unit.h"
+#include "dataset/production/label.h"
+
+namespace ohb {
+namespace {
+
+double processor_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+}  // namespace
+
+RobotHuman read_robot_human(const std::filesystem::path& file) {
+  RobotHuman human{file.stem().string(), read_scan(file), {}, {}};
+  std::filesystem::path labels = file;
+  labels.replace_extension(".labels.txt");
+  human.truth = read_face_classes(labels, human.scan.face_count(), class_order_of(labels, file));
+  human.area = face_areas(human.scan);
+  return human;
+}
+
+void run_robot(const RobotHuman& human, const std::string& series, const RobotMethod& method,
+               const RobotNoise& noise, int count, std::vector<RobotPoint>& points) {
+  Labeller labeller(human.scan, guess_unit(human.scan).unit_cm.value_or(1), method.terms);
+  const FaceGraph& graph = labeller.features().graph;
+  std::mt19937 random(static_cast<uint32_t>(human.scan.face_count()));  // another one each
+  std::vector<Stroke> strokes;
+  const std::vector<uint8_t> start = labeller.solve({}).face_class;
+  std::vector<uint8_t> face_class = start;
+  RobotPoint point{series, human.name, 0, 0, 0, 0, 0};
+  for (int n = 0; n <= count; ++n) {
+    Stroke stroke;
+    if (n > 0) stroke = next_stroke(graph, labeller.unit_cm(), face_class, human.truth, noise, random);
+    if (!stroke.points.empty()) {
+      stroke.time_s = n;
+      strokes.push_back(stroke);
+      const auto wall = std::chrono::steady_clock::now();
+      const double cpu = processor_seconds();
+      face_class = method.nearest ? nearest_stroke_classes(graph, labeller.unit_cm(), strokes, start)
+                                  : labeller.solve(strokes).face_class;
+      point.cpu_s = processor_seconds() - cpu;
+      point.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count();
+    }
+    const TruthComparison truth = compare_with_truth(face_class, human.truth, human.area);
+    point.strokes = n;
+    point.accuracy = truth.accuracy;
+    point.worst_iou = 1;
+    for (const auto& iou : truth.iou) point.worst_iou = std::min(point.worst_iou, iou.value_or(1));
+    points.push_back(point);
+  }
+}
+
+}  // namespace ohb
