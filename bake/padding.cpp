@@ -17,8 +17,9 @@ struct Level {
 };
 
 /// Each texel is the average of the covered ones of its 2 x 2 block (smaller at odd borders).
-Level half_of(const Image& image, const std::vector<uint8_t>& is_covered) {
-  const int channels = image.channels;
+template <int kChannels>
+Level half_of_channels(const Image& image, const std::vector<uint8_t>& is_covered) {
+  const int channels = kChannels > 0 ? kChannels : image.channels;
   Level half{Image((image.width_px + 1) / 2, (image.height_px + 1) / 2, channels), {}};
   half.is_covered.assign(static_cast<size_t>(half.image.width_px) * half.image.height_px, 0);
   tbb::parallel_for(0, half.image.height_px, [&](int y) {
@@ -29,7 +30,8 @@ Level half_of(const Image& image, const std::vector<uint8_t>& is_covered) {
         for (int sx = 2 * x; sx < std::min(2 * x + 2, image.width_px); ++sx) {
           if (!is_covered[static_cast<size_t>(sy) * image.width_px + sx]) continue;
           ++count;
-          for (int c = 0; c < channels; ++c) out[c] += image.pixel(sx, sy)[c];
+          const float* const in = &image.values[(static_cast<size_t>(sy) * image.width_px + sx) * channels];
+          for (int c = 0; c < channels; ++c) out[c] += in[c];
         }
       if (count == 0) continue;
       for (int c = 0; c < channels; ++c) out[c] /= static_cast<float>(count);
@@ -39,18 +41,38 @@ Level half_of(const Image& image, const std::vector<uint8_t>& is_covered) {
   return half;
 }
 
+/// The usual channels as constants: the loops over them unroll.
+Level half_of(const Image& image, const std::vector<uint8_t>& is_covered) {
+  return image.channels == 1   ? half_of_channels<1>(image, is_covered)
+         : image.channels == 3 ? half_of_channels<3>(image, is_covered)
+                               : half_of_channels<0>(image, is_covered);
+}
+
 /// Fills the holes of `image` from the complete image of half its size, bilinearly (weights 9, 3, 3, 1).
-void fill_from_half(Image& image, const std::vector<uint8_t>& is_covered, const Image& half) {
+template <int kChannels>
+void fill_channels_from_half(Image& image, const std::vector<uint8_t>& is_covered, const Image& half) {
+  const int channels = kChannels > 0 ? kChannels : image.channels;
+  const auto at = [&](const Image& of, int x, int y) {
+    return &of.values[(static_cast<size_t>(y) * of.width_px + x) * channels];
+  };
   tbb::parallel_for(0, image.height_px, [&](int y) {
     const int y0 = y / 2, y1 = std::clamp(y0 + (y % 2 ? 1 : -1), 0, half.height_px - 1);
     for (int x = 0; x < image.width_px; ++x) {
       if (is_covered[static_cast<size_t>(y) * image.width_px + x]) continue;
       const int x0 = x / 2, x1 = std::clamp(x0 + (x % 2 ? 1 : -1), 0, half.width_px - 1);
-      for (int c = 0; c < image.channels; ++c)
-        image.pixel(x, y)[c] = 0.5625f * half.pixel(x0, y0)[c] + 0.1875f * half.pixel(x1, y0)[c] +
-                               0.1875f * half.pixel(x0, y1)[c] + 0.0625f * half.pixel(x1, y1)[c];
+      const float *const p = at(half, x0, y0), *const q = at(half, x1, y0), *const r = at(half, x0, y1),
+                         *const s = at(half, x1, y1);
+      float* const out = &image.values[(static_cast<size_t>(y) * image.width_px + x) * channels];
+      for (int c = 0; c < channels; ++c)
+        out[c] = 0.5625f * p[c] + 0.1875f * q[c] + 0.1875f * r[c] + 0.0625f * s[c];
     }
   });
+}
+
+void fill_from_half(Image& image, const std::vector<uint8_t>& is_covered, const Image& half) {
+  if (image.channels == 1) return fill_channels_from_half<1>(image, is_covered, half);
+  if (image.channels == 3) return fill_channels_from_half<3>(image, is_covered, half);
+  fill_channels_from_half<0>(image, is_covered, half);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "bake/seam_fill.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -17,20 +18,6 @@ int wrapped(int i, int size) {
 }
 
 constexpr float kShortest_px = 1e-3f;
-
-/// The bilinear lookup at a point of texel space; false if one of its texels is not covered.
-bool read_covered(const Image& map, const std::vector<uint8_t>& is_covered, Vec2f at, Vec3f& value) {
-  const float x_whole = std::floor(at.x), y_whole = std::floor(at.y);
-  const float fx = at.x - x_whole, fy = at.y - y_whole;
-  const float wx[2] = {1 - fx, fx}, wy[2] = {1 - fy, fy};
-  for (int k = 0; k < 4; ++k) {
-    const int x = wrapped(static_cast<int>(x_whole) + k % 2, map.width_px);
-    const int y = wrapped(static_cast<int>(y_whole) + k / 2, map.height_px);
-    if (!is_covered[static_cast<size_t>(y) * map.width_px + x]) return false;
-    for (int c = 0; c < map.channels; ++c) value[c] += wx[k % 2] * wy[k / 2] * map.pixel(x, y)[c];
-  }
-  return true;
-}
 
 }  // namespace
 
@@ -64,6 +51,15 @@ struct SeamBand::RowBand {
 
 namespace {
 
+/// The four texels of a bilinear lookup, by rows.
+struct Reads {
+  size_t texel[4];
+  Reads(int x, int y, int width_px, int height_px) {
+    const int columns[2] = {x, x + 1 < width_px ? x + 1 : 0}, rows[2] = {y, y + 1 < height_px ? y + 1 : 0};
+    for (int k = 0; k < 4; ++k) texel[k] = static_cast<size_t>(rows[k / 2]) * width_px + columns[k % 2];
+  }
+};
+
 /// Whole numbers within kSeamBand_px of both.
 struct Reach {
   int first, last;
@@ -91,9 +87,11 @@ std::vector<SeamBand::RowBand> SeamBand::row_bands() const {
   return bands;
 }
 
-void SeamBand::claim_texels(const RowBand& band, const std::vector<uint8_t>& is_face) {
-  std::vector<float> squared_distance(static_cast<size_t>(width_px_) * (band.last_row - band.first_row + 1),
-                                      float(kSeamBand_px) * kSeamBand_px);
+/// The side that each texel of the rows belongs to, or kNone.
+std::vector<uint32_t> SeamBand::claim_texels(const RowBand& band, const std::vector<uint8_t>& is_face) const {
+  const size_t count = static_cast<size_t>(width_px_) * (band.last_row - band.first_row + 1);
+  std::vector<uint32_t> side_of(count, kNone);
+  std::vector<float> squared_distance(count, float(kSeamBand_px) * kSeamBand_px);
   for (uint32_t s : band.sides) {
     const Placed& edge = placed_[s];
     const Reach rows(edge.from.y, edge.to.y), columns(edge.from.x, edge.to.x);
@@ -102,57 +100,93 @@ void SeamBand::claim_texels(const RowBand& band, const std::vector<uint8_t>& is_
       if (row < band.first_row || row > band.last_row) continue;
       for (int x = columns.first; x <= columns.last; ++x) {
         const int column = wrapped(x, width_px_);
-        const size_t index = static_cast<size_t>(row) * width_px_ + column;
-        if (is_face[index]) continue;
+        if (is_face[static_cast<size_t>(row) * width_px_ + column]) continue;
         const Beside beside(edge, {static_cast<float>(x), static_cast<float>(y)});
-        float& nearest = squared_distance[static_cast<size_t>(row - band.first_row) * width_px_ + column];
-        if (!(beside.outward_px > 0 && beside.squared_distance < nearest)) continue;
-        nearest = beside.squared_distance;
-        side_[index] = s;
+        const size_t i = static_cast<size_t>(row - band.first_row) * width_px_ + column;
+        if (!(beside.outward_px > 0 && beside.squared_distance < squared_distance[i])) continue;
+        squared_distance[i] = beside.squared_distance;
+        side_of[i] = s;
       }
     }
   }
+  return side_of;
+}
+
+/// Of the texels of the rows those whose other side is wholly covered by faces.
+std::vector<SeamBand::Carried> SeamBand::carried_in(const RowBand& band,
+                                                    const std::vector<uint8_t>& is_face) const {
+  const std::vector<uint32_t> side_of = claim_texels(band, is_face);
+  std::vector<Carried> carried;
+  for (size_t i = 0; i < side_of.size(); ++i) {
+    if (side_of[i] == kNone) continue;
+    const Placed &edge = placed_[side_of[i]], &other = placed_[side_of[i] ^ 1];
+    const int row = band.first_row + static_cast<int>(i / width_px_),
+              column = static_cast<int>(i % width_px_);
+    // The copy of the map in which the edge lies.
+    const Vec2f middle = 0.5f * (edge.from + edge.to);
+    const float x = static_cast<float>(column), y = static_cast<float>(row);
+    const Vec2f texel{x + std::round((middle.x - x) / float(width_px_)) * float(width_px_),
+                      y + std::round((middle.y - y) / float(height_px_)) * float(height_px_)};
+    const Beside beside(edge, texel);
+    const float outward = beside.outward_px * other.length_px / edge.length_px;
+    const Vec2f from = other.from + beside.along * (other.to - other.from) + outward * other.inward;
+    const float x_whole = std::floor(from.x), y_whole = std::floor(from.y);
+    Carried to;
+    to.texel = static_cast<uint32_t>(static_cast<size_t>(row) * width_px_ + column);
+    to.side = side_of[i];
+    to.x = static_cast<uint16_t>(wrapped(static_cast<int>(x_whole), width_px_));
+    to.y = static_cast<uint16_t>(wrapped(static_cast<int>(y_whole), height_px_));
+    to.right = from.x - x_whole;
+    to.down = from.y - y_whole;
+    to.along = std::clamp(beside.along, 0.0f, 1.0f);
+    const Reads reads(to.x, to.y, width_px_, height_px_);
+    if (std::all_of(reads.texel, reads.texel + 4, [&](size_t t) { return is_face[t] != 0; }))
+      carried.push_back(to);
+  }
+  return carried;
 }
 
 SeamBand::SeamBand(const std::vector<Seam>& seams, const std::vector<uint8_t>& is_face, int width_px,
                    int height_px)
-    : seams_(seams), width_px_(width_px), height_px_(height_px), side_(is_face.size(), kNone) {
+    : seams_(seams), width_px_(width_px), height_px_(height_px) {
   for (const Seam& seam : seams)
     for (const SeamSide& side : seam.side) placed_.emplace_back(side, width_px, height_px);
   const std::vector<RowBand> bands = row_bands();
-  tbb::parallel_for(size_t{0}, bands.size(), [&](size_t b) { claim_texels(bands[b], is_face); });
+  std::vector<std::vector<Carried>> carried(bands.size());
+  tbb::parallel_for(size_t{0}, bands.size(), [&](size_t b) { carried[b] = carried_in(bands[b], is_face); });
+  for (const std::vector<Carried>& rows : carried) carried_.insert(carried_.end(), rows.begin(), rows.end());
 }
 
 std::vector<uint8_t> SeamBand::fill(Image& map, const std::vector<uint8_t>& is_covered,
                                     bool is_normals) const {
   std::vector<uint8_t> is_filled = is_covered;
-  tbb::parallel_for(0, height_px_, [&](int row) {
-    for (int column = 0; column < width_px_; ++column) {
-      const size_t index = static_cast<size_t>(row) * width_px_ + column;
-      if (side_[index] == kNone) continue;
-      const Seam& seam = seams_[side_[index] / 2];
-      const SeamSide &here = seam.side[side_[index] % 2], &there = seam.side[1 - side_[index] % 2];
-      const Placed &edge = placed_[side_[index]], &other = placed_[side_[index] ^ 1];
-      // The copy of the map in which the edge lies.
-      const Vec2f middle = 0.5f * (edge.from + edge.to);
-      const float x = static_cast<float>(column), y = static_cast<float>(row);
-      const Vec2f texel{x + std::round((middle.x - x) / float(width_px_)) * float(width_px_),
-                        y + std::round((middle.y - y) / float(height_px_)) * float(height_px_)};
-      const Beside beside(edge, texel);
-      const float outward = beside.outward_px * other.length_px / edge.length_px;
-      const Vec2f from = other.from + beside.along * (other.to - other.from) + outward * other.inward;
-      Vec3f value;
-      if (!read_covered(map, is_covered, from, value)) continue;
-      if (is_normals) {
-        const float along = std::clamp(beside.along, 0.0f, 1.0f);
-        const SeamFrame f = frame_at(there, along), g = frame_at(here, along);
-        value = to_tangent_space(value.x * f.tangent + value.y * f.bitangent + value.z * f.normal, g.tangent,
-                                 g.normal, here.sign);
-      }
-      for (int c = 0; c < map.channels; ++c) map.values[index * map.channels + c] = value[c];
-      is_filled[index] = 1;
-    }
-  });
+  const int channels = map.channels;
+  tbb::parallel_for(
+      tbb::blocked_range<size_t>(0, carried_.size(), 4096), [&](const tbb::blocked_range<size_t>& range) {
+        for (size_t i = range.begin(); i < range.end(); ++i) {
+          const Carried& to = carried_[i];
+          const Reads reads(to.x, to.y, width_px_, height_px_);
+          const float weights[4] = {(1 - to.right) * (1 - to.down), to.right * (1 - to.down),
+                                    (1 - to.right) * to.down, to.right * to.down};
+          Vec3f value;
+          bool is_known = true;
+          for (int k = 0; k < 4; ++k) {
+            is_known = is_known && is_covered[reads.texel[k]];
+            for (int c = 0; c < channels; ++c)
+              value[c] += weights[k] * map.values[reads.texel[k] * channels + c];
+          }
+          if (!is_known) continue;
+          if (is_normals) {
+            const Seam& seam = seams_[to.side / 2];
+            const SeamSide &here = seam.side[to.side % 2], &there = seam.side[1 - to.side % 2];
+            const SeamFrame f = frame_at(there, to.along), g = frame_at(here, to.along);
+            value = to_tangent_space(value.x * f.tangent + value.y * f.bitangent + value.z * f.normal,
+                                     g.tangent, g.normal, here.sign);
+          }
+          for (int c = 0; c < channels; ++c) map.values[size_t{to.texel} * channels + c] = value[c];
+          is_filled[to.texel] = 1;
+        }
+      });
   return is_filled;
 }
 

@@ -11,11 +11,12 @@ namespace ohb {
 /// How far from the border it reaches: bilinear lookups at mip level 4 reach 2 blocks of 16 texels.
 constexpr int kSeamBand_px = 32;
 
-/// For each texel of the background within kSeamBand_px of a seam, the side beside it. 4 bytes a texel.
+/// For each texel of the background within kSeamBand_px of a seam, the place beyond it that it shows. At most
+/// 24 bytes a texel, of the band only.
 class SeamBand {
  public:
   /// Texels with is_face 0 belong to the nearest seam edge on whose outer side they lie. `seams` must outlive
-  /// this.
+  /// this; maps are at most 65535 texels wide and high.
   SeamBand(const std::vector<Seam>& seams, const std::vector<uint8_t>& is_face, int width_px, int height_px);
 
   /// Fills the band of one map: the edge's turn, scale and mirroring carry each texel into the chart on the
@@ -39,12 +40,20 @@ class SeamBand {
   };
   struct RowBand;
   std::vector<RowBand> row_bands() const;
-  void claim_texels(const RowBand& band, const std::vector<uint8_t>& is_face);
+  /// A texel of the band, the side beside it, and the bilinear lookup that it shows.
+  struct Carried {
+    uint32_t texel, side;
+    uint16_t x, y;  // upper left of the four texels that are read
+    float right, down;
+    float along;  // of the edge, 0 to 1
+  };
+  std::vector<uint32_t> claim_texels(const RowBand& band, const std::vector<uint8_t>& is_face) const;
+  std::vector<Carried> carried_in(const RowBand& band, const std::vector<uint8_t>& is_face) const;
 
   const std::vector<Seam>& seams_;
   int width_px_, height_px_;
-  std::vector<Placed> placed_;  // 2 x seam + side
-  std::vector<uint32_t> side_;  // of each texel, or kNone
+  std::vector<Placed> placed_;  // 2 x seam + side; used while carried_ is made
+  std::vector<Carried> carried_;
 };
 
 }  // namespace ohb

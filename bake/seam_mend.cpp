@@ -1,167 +1,304 @@
 #include "bake/seam_mend.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
 #include "dataset/model/colour.h"
 
 namespace ohb {
 namespace {
 
-/// How much a texel inside a triangle gives way, of what one of the background does.
-constexpr float kInsideGive[kMendLevels] = {0.1f, 0};
+/// How much a texel inside a triangle gives way at level 0, of what one of the background does.
+constexpr float kInsideGive = 0.1f;
 
 /// Where few of the texels give way they are not moved all the way: a share of what all of them would take.
 constexpr float kDamping = 0.1f;
 constexpr int kFullSweepEvery = 6;
 
-class Mend {
- public:
-  Mend(Image& map, const std::vector<Seam>& seams, const std::vector<uint8_t>& is_inside, MapValues values,
-       float tolerance)
-      : map_(map), seams_(seams), is_inside_(is_inside), values_(values), tolerance_(tolerance) {}
+Vec3f to_model(const SeamFrame& frame, Vec3f v) {
+  return v.x * frame.tangent + v.y * frame.bitangent + v.z * frame.normal;
+}
 
-  float most_changed() const {
-    float most = 0;
-    for (const auto& [texel, value] : before_)
-      for (int c = 0; c < map_.channels; ++c)
-        most = std::max(most, std::fabs(map_.values[texel * map_.channels + c] - value[c]));
-    return most;
+/// The frames are close to orthonormal, so their transposes carry a change back.
+Vec3f to_frame(const SeamFrame& frame, Vec3f v) {
+  return {dot(v, frame.tangent), dot(v, frame.bitangent), dot(v, frame.normal)};
+}
+
+Vec3f as_seen(Vec3f value, MapValues values) {
+  if (values != MapValues::kLinearColour) return value;
+  return {linear_to_srgb(value.x), linear_to_srgb(value.y), linear_to_srgb(value.z)};
+}
+
+/// What a texel may hold.
+Vec3f fitted(Vec3f value, MapValues values) {
+  if (values == MapValues::kNormals) return normalised(value);
+  for (int c = 0; c < 3; ++c) value[c] = std::clamp(value[c], 0.0f, 1.0f);
+  return value;
+}
+
+}  // namespace
+
+template <typename Visit>
+void SeamMender::for_each_texel(const Block& block, const Visit& visit) const {
+  const int size = 1 << block.level, columns = columns_of(block.level);
+  const int low_x = static_cast<int>(block.index % columns) * size;
+  const int low_y = static_cast<int>(block.index / columns) * size;
+  const int high_x = std::min(low_x + size, width_px_), high_y = std::min(low_y + size, height_px_);
+  for (int y = low_y; y < high_y; ++y)
+    for (int x = low_x; x < high_x; ++x) visit(static_cast<size_t>(y) * width_px_ + x);
+}
+
+/// With the blocks' indices in their level.
+std::vector<SeamMender::Place> SeamMender::places_of(uint32_t seam, int level) const {
+  float longer_px = 0;
+  for (const SeamSide& side : seams_[seam].side) {
+    const Vec2f edge = side.uv[1] - side.uv[0];
+    const Vec2f px{edge.x * static_cast<float>(width_px_), edge.y * static_cast<float>(height_px_)};
+    longer_px = std::max(longer_px, std::sqrt(dot(px, px)));
   }
+  const int count = std::max(1, static_cast<int>(std::ceil(2 * longer_px / static_cast<float>(1 << level))));
+  std::vector<Place> places(count);
+  for (int i = 0; i < count; ++i) {
+    Place& place = places[i];
+    place.along = (static_cast<float>(i) + 0.5f) / static_cast<float>(count);
+    for (int k = 0; k < 2; ++k) {
+      const SeamLookup lookup = lookup_at(seams_[seam].side[k], place.along, level, width_px_, height_px_);
+      for (int j = 0; j < 4; ++j) {
+        place.block[k][j] =
+            static_cast<uint32_t>(lookup.row[j / 2] * columns_of(level) + lookup.column[j % 2]);
+        place.weight[k][j] = lookup.weight[j / 2][j % 2];
+      }
+    }
+  }
+  return places;
+}
 
-  void run() {
-    std::vector<uint8_t> has_moved(seams_.size(), 1);
+void SeamMender::collect_places() {
+  for (uint32_t s = 0; s < seams_.size(); ++s) {
+    place_begin_.push_back(places_.size());
+    for (int level = levels_; level-- > 0;) {
+      const std::vector<Place> places = places_of(s, level);
+      places_.insert(places_.end(), places.begin(), places.end());
+      place_level_.resize(places_.size(), static_cast<uint8_t>(level));
+    }
+  }
+  place_begin_.push_back(places_.size());
+}
+
+/// Gives each block that is read a place of its own in blocks_, and says so in places_.
+void SeamMender::link_blocks() {
+  std::vector<uint32_t> indices[kMostLevels];
+  uint32_t first_block[kMostLevels] = {};
+  for (size_t p = 0; p < places_.size(); ++p)
+    for (const auto& side : places_[p].block)
+      for (uint32_t index : side) indices[place_level_[p]].push_back(index);
+  for (int l = 0; l < levels_; ++l) {
+    std::sort(indices[l].begin(), indices[l].end());
+    indices[l].erase(std::unique(indices[l].begin(), indices[l].end()), indices[l].end());
+    first_block[l] = static_cast<uint32_t>(blocks_.size());
+    for (uint32_t index : indices[l]) {
+      blocks_.emplace_back();
+      blocks_.back().index = index;
+      blocks_.back().level = static_cast<uint8_t>(l);
+    }
+    if (l == 0) texels_end_ = blocks_.size();
+  }
+  const auto find = [&](int level, uint32_t index) {
+    const auto found = std::lower_bound(indices[level].begin(), indices[level].end(), index);
+    if (found == indices[level].end() || *found != index) return kNone;
+    return first_block[level] + static_cast<uint32_t>(found - indices[level].begin());
+  };
+  tbb::parallel_for(size_t{0}, blocks_.size(), [&](size_t b) {
+    Block& block = blocks_[b];
+    const uint32_t x = block.index % columns_of(block.level), y = block.index / columns_of(block.level);
+    std::fill(std::begin(block.part_of), std::end(block.part_of), kNone);
+    for (int l = block.level + 1; l < levels_; ++l)
+      block.part_of[l] = find(l, (y >> (l - block.level)) * columns_of(l) + (x >> (l - block.level)));
+  });
+  tbb::parallel_for(size_t{0}, places_.size(), [&](size_t p) {
+    for (auto& side : places_[p].block)
+      for (uint32_t& block : side) block = find(place_level_[p], block);
+  });
+}
+
+SeamMender::SeamMender(const std::vector<Seam>& seams, const std::vector<uint8_t>& is_inside, int width_px,
+                       int height_px, int levels)
+    : seams_(seams), is_inside_(is_inside), width_px_(width_px), height_px_(height_px), levels_(levels) {
+  collect_places();
+  link_blocks();
+  tbb::parallel_for(size_t{0}, blocks_.size(), [&](size_t b) {
+    Block& block = blocks_[b];
+    int background = 0, count = 0;
+    for_each_texel(block, [&](size_t texel) {
+      background += !is_inside_[texel];
+      ++count;
+    });
+    block.background = static_cast<float>(background) / static_cast<float>(count);
+    block.give = block.level == 0 && background == 0 ? kInsideGive : block.background;
+  });
+  for (Place& place : places_) {
+    float give = 0, all = 0;
+    for (int k = 0; k < 2; ++k)
+      for (int j = 0; j < 4; ++j) {
+        const float squared = place.weight[k][j] * place.weight[k][j];
+        give += squared * blocks_[place.block[k][j]].give;
+        all += squared;
+      }
+    place.step = give > 0 ? 1 / (give + kDamping * all) : 0;
+  }
+}
+
+/// One map in the making.
+class SeamMender::Solver {
+ public:
+  Solver(const SeamMender& mender, Image& map, MapValues values, float tolerance)
+      : mender_(mender), map_(map), values_(values), tolerance_(tolerance) {}
+
+  void solve() {
+    gather();
+    std::vector<uint8_t> has_moved(mender_.seams_.size(), 1);
     for (int sweep = 0; sweep < kMendSweeps; ++sweep) {
       // Edges that agreed are looked at again only now and then: their neighbours may have moved them.
       const bool is_full = sweep % kFullSweepEvery == 0;
       size_t moved = 0;
-      for (size_t s = 0; s < seams_.size(); ++s) {
+      for (size_t s = 0; s < mender_.seams_.size(); ++s) {
         if (!is_full && !has_moved[s]) continue;
         size_t of_edge = 0;
-        for (int level = kMendLevels; level-- > 0;) of_edge += mend_edge(seams_[s], level);
+        for (size_t p = mender_.place_begin_[s]; p < mender_.place_begin_[s + 1]; ++p)
+          of_edge += mend_place(mender_.seams_[s], mender_.places_[p]);
         has_moved[s] = of_edge > 0;
         moved += of_edge;
       }
       if (is_full && moved == 0) break;
     }
+    scatter();
+  }
+
+  std::vector<Vec3f> texels() const {
+    std::vector<Vec3f> values(mender_.texels_end_);
+    for (size_t b = 0; b < values.size(); ++b) values[b] = texel(mender_.blocks_[b].index);
+    return values;
   }
 
  private:
-  /// As many lookups as the edge crosses half blocks of the level.
-  size_t mend_edge(const Seam& seam, int level) {
-    float longer = 0;
-    for (const SeamSide& side : seam.side) {
-      const Vec2f edge = side.uv[1] - side.uv[0];
-      const Vec2f px{edge.x * static_cast<float>(map_.width_px), edge.y * static_cast<float>(map_.height_px)};
-      longer = std::max(longer, std::sqrt(dot(px, px)));
-    }
-    const int lookups =
-        std::clamp(static_cast<int>(std::ceil(2 * longer / static_cast<float>(1 << level))), 1, kSeamPoints);
-    size_t moved = 0;
-    for (int i = 0; i < lookups; ++i)
-      moved += mend_place(seam, (static_cast<float>(i) + 0.5f) / static_cast<float>(lookups), level);
-    return moved;
+  Vec3f texel(size_t index) const {
+    const float* const v = &map_.values[index * map_.channels];
+    return {v[0], map_.channels > 1 ? v[1] : 0, map_.channels > 2 ? v[2] : 0};
   }
 
-  struct Read {
-    SeamLookup lookup;
-    Vec3f value;
-    float give = 0, all = 0;  // sums over the texels of squared weight, times give and without
-  };
+  void add(size_t index, Vec3f change) {
+    for (int c = 0; c < map_.channels; ++c) map_.values[index * map_.channels + c] += change[c];
+  }
 
-  Read read(const SeamSide& side, float along, int level) const {
-    Read read{lookup_at(side, along, level, map_.width_px, map_.height_px), {}, 0, 0};
-    for_each_texel(read.lookup, level, [&](size_t texel, float weight) {
-      for (int c = 0; c < map_.channels; ++c)
-        read.value[c] += weight * map_.values[texel * map_.channels + c];
-      read.give += weight * weight * give(texel, level);
-      read.all += weight * weight;
+  void gather() {
+    means_.resize(mender_.blocks_.size());
+    tbb::parallel_for(size_t{0}, means_.size(), [&](size_t b) {
+      Vec3f sum;
+      int count = 0;
+      mender_.for_each_texel(mender_.blocks_[b], [&](size_t index) {
+        sum += texel(index);
+        ++count;
+      });
+      means_[b] = sum / static_cast<float>(count);
     });
-    return read;
+    shifts_.assign(means_.size(), Vec3f{});
   }
 
-  float give(size_t texel, int level) const { return is_inside_[texel] ? kInsideGive[level] : 1.0f; }
-
-  template <typename Visit>
-  void for_each_texel(const SeamLookup& lookup, int level, const Visit& visit) const {
-    const int block = 1 << level;
-    for (int j = 0; j < 2; ++j)
-      for (int i = 0; i < 2; ++i) {
-        const int low_x = lookup.column[i] * block, low_y = lookup.row[j] * block;
-        const int high_x = std::min(low_x + block, map_.width_px),
-                  high_y = std::min(low_y + block, map_.height_px);
-        const float weight = lookup.weight[j][i] / static_cast<float>((high_x - low_x) * (high_y - low_y));
-        if (weight == 0) continue;
-        for (int y = low_y; y < high_y; ++y)
-          for (int x = low_x; x < high_x; ++x) visit(static_cast<size_t>(y) * map_.width_px + x, weight);
-      }
+  /// Coarse levels change the background of their blocks, level 0 each texel.
+  void scatter() {
+    for (size_t b = mender_.texels_end_; b < shifts_.size(); ++b) {
+      const Vec3f shift = shifts_[b];
+      if (shift.x == 0 && shift.y == 0 && shift.z == 0) continue;
+      mender_.for_each_texel(mender_.blocks_[b], [&](size_t index) {
+        if (!mender_.is_inside_[index]) add(index, shift);
+      });
+    }
+    for (size_t b = 0; b < mender_.texels_end_; ++b) add(mender_.blocks_[b].index, shifts_[b]);
+    const auto fit = [&](size_t index) {
+      const Vec3f value = fitted(texel(index), values_);
+      for (int c = 0; c < map_.channels; ++c) map_.values[index * map_.channels + c] = value[c];
+    };
+    for (size_t b = 0; b < shifts_.size(); ++b)
+      if (shifts_[b].x != 0 || shifts_[b].y != 0 || shifts_[b].z != 0)
+        mender_.for_each_texel(mender_.blocks_[b], fit);
   }
 
-  bool mend_place(const Seam& seam, float along, int level) {
-    const Read a = read(seam.side[0], along, level), b = read(seam.side[1], along, level);
-    if (!(a.give + b.give > 0)) return false;
-    const float give = a.give + b.give + kDamping * (a.all + b.all);
+  Vec3f value_of(const Block& block, size_t b) const {
+    Vec3f above;
+    for (int l = block.level + 1; l < mender_.levels_; ++l)
+      if (block.part_of[l] != kNone) above += shifts_[block.part_of[l]];
+    return means_[b] + block.background * above;
+  }
+
+  Vec3f read(const Place& place, int side) const {
+    Vec3f value;
+    for (int j = 0; j < 4; ++j) {
+      const uint32_t b = place.block[side][j];
+      value += place.weight[side][j] * value_of(mender_.blocks_[b], b);
+    }
+    return value;
+  }
+
+  bool mend_place(const Seam& seam, const Place& place) {
+    if (place.step == 0) return false;
+    const Vec3f a = read(place, 0), b = read(place, 1);
     if (values_ != MapValues::kNormals) {
-      const Vec3f apart = a.value - b.value, seen = as_seen(a.value) - as_seen(b.value);
-      if (std::max({std::fabs(seen.x), std::fabs(seen.y), std::fabs(seen.z)}) <= tolerance_) return false;
-      move(a, level, -apart / give);
-      move(b, level, apart / give);
+      const Vec3f apart = as_seen(a, values_) - as_seen(b, values_);
+      if (std::max({std::fabs(apart.x), std::fabs(apart.y), std::fabs(apart.z)}) <= tolerance_) return false;
+      move(place, 0, place.step * (b - a));
+      move(place, 1, place.step * (a - b));
       return true;
     }
-    // In the model's frame; the frames are close to orthonormal, so their transposes carry the change back.
-    const SeamFrame f = frame_at(seam.side[0], along), g = frame_at(seam.side[1], along);
-    const auto to_model = [](const SeamFrame& frame, Vec3f v) {
-      return v.x * frame.tangent + v.y * frame.bitangent + v.z * frame.normal;
-    };
-    const auto to_frame = [](const SeamFrame& frame, Vec3f v) {
-      return Vec3f{dot(v, frame.tangent), dot(v, frame.bitangent), dot(v, frame.normal)};
-    };
-    const Vec3f apart = to_model(f, a.value) - to_model(g, b.value);
-    if (length(apart) <= tolerance_) return false;
-    move(a, level, to_frame(f, -apart) / give);
-    move(b, level, to_frame(g, apart) / give);
+    // Only their directions in the model's frame need agree, not how long averages of them have become.
+    const SeamFrame f = frame_at(seam.side[0], place.along), g = frame_at(seam.side[1], place.along);
+    const Vec3f m = to_model(f, a), n = to_model(g, b), middle = normalised(m + n);
+    const Vec3f apart = (m - n) - dot(m - n, middle) * middle;
+    if (dot(apart, apart) <= tolerance_ * tolerance_ * std::max(dot(m, m), dot(n, n))) return false;
+    move(place, 0, to_frame(f, -place.step * apart));
+    move(place, 1, to_frame(g, place.step * apart));
     return true;
   }
 
-  Vec3f as_seen(Vec3f value) const {
-    if (values_ != MapValues::kLinearColour) return value;
-    return {linear_to_srgb(value.x), linear_to_srgb(value.y), linear_to_srgb(value.z)};
-  }
-
-  void move(const Read& read, int level, Vec3f step) {
-    for_each_texel(read.lookup, level, [&](size_t texel, float weight) {
-      const float share = weight * give(texel, level);
-      if (share == 0) return;
-      float* const value = &map_.values[texel * map_.channels];
-      if (is_inside_[texel])
-        before_.emplace(texel,
-                        Vec3f{value[0], map_.channels > 1 ? value[1] : 0, map_.channels > 2 ? value[2] : 0});
-      for (int c = 0; c < map_.channels; ++c) value[c] += share * step[c];
-      if (values_ == MapValues::kNormals) {
-        const Vec3f unit = normalised({value[0], value[1], value[2]});
-        for (int c = 0; c < 3; ++c) value[c] = unit[c];
-      } else {
-        for (int c = 0; c < map_.channels; ++c) value[c] = std::clamp(value[c], 0.0f, 1.0f);
+  void move(const Place& place, int side, Vec3f step) {
+    for (int j = 0; j < 4; ++j) {
+      const uint32_t b = place.block[side][j];
+      const Block& block = mender_.blocks_[b];
+      if (block.give == 0) continue;
+      Vec3f change = place.weight[side][j] * block.give * step;
+      if (block.level == 0) {
+        const Vec3f value = value_of(block, b);
+        change = fitted(value + change, values_) - value;
       }
-    });
+      means_[b] += change;
+      shifts_[b] += block.level == 0 ? change : change / block.background;
+      float share = 1;
+      for (int l = block.level + 1; l < mender_.levels_; ++l) {
+        share *= 0.25f;
+        if (block.part_of[l] != kNone) means_[block.part_of[l]] += share * change;
+      }
+    }
   }
 
+  const SeamMender& mender_;
   Image& map_;
-  const std::vector<Seam>& seams_;
-  const std::vector<uint8_t>& is_inside_;
   const MapValues values_;
   const float tolerance_;
-  std::unordered_map<size_t, Vec3f> before_;  // texels inside triangles that were moved
+  std::vector<Vec3f> means_;   // of the blocks, but for what the blocks that they are part of were moved by
+  std::vector<Vec3f> shifts_;  // of the background of a block; of level 0: of the texel
 };
 
-}  // namespace
-
-float mend_seams(Image& map, const std::vector<Seam>& seams, const std::vector<uint8_t>& is_inside,
-                 MapValues values, float tolerance) {
-  Mend mend(map, seams, is_inside, values, tolerance);
-  mend.run();
-  return mend.most_changed();
+float SeamMender::mend(Image& map, MapValues values, float tolerance) const {
+  Solver solver(*this, map, values, tolerance);
+  const std::vector<Vec3f> before = solver.texels();
+  for (int round = 0; round < kMendRounds; ++round) solver.solve();
+  const std::vector<Vec3f> after = solver.texels();
+  float most = 0;
+  for (size_t b = 0; b < before.size(); ++b)
+    if (is_inside_[blocks_[b].index])
+      for (int c = 0; c < 3; ++c) most = std::max(most, std::fabs(after[b][c] - before[b][c]));
+  return most;
 }
 
 }  // namespace ohb

@@ -11,7 +11,6 @@
 
 #include "bake/padding.h"
 #include "bake/picture.h"
-#include "bake/seam_mend.h"
 #include "bake/uv_charts.h"
 #include "dataset/model/error.h"
 #include "dataset/model/model_files.h"
@@ -184,7 +183,6 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
                                                    : options.class_weights[mesh.material_of_set[set]]),
       report_(report),
       triangles_(triangles_of(mesh.model, set)),
-      mends_seams_(options.mends_seams),
       from_source_(source != nullptr) {
   report.name = material_.name;
   report.diffuse = material_.diffuse.file.filename().string();
@@ -202,6 +200,8 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
                       &frames);
   report.seam_edges = seams_.size();
   if (!seams_.empty()) band_ = std::make_unique<SeamBand>(seams_, has_class_, width_px(), height_px());
+  if (!seams_.empty() && options.mends_seams)
+    mender_ = std::make_unique<SeamMender>(seams_, is_inside_, width_px(), height_px());
   if (!source) return;
   reach_cm_ = std::max(source->outward_cm, source->inward_cm);
   check_overlaps(report, options.source);
@@ -367,8 +367,8 @@ Image SetBake::finished(Image image, const char* map, const std::vector<uint8_t>
   // Both sides of a class map already agree at level 0: each is constant up to the seam, and the band goes
   // on.
   const bool is_mended = is_normals || values == MapValues::kLinearColour;
-  if (mends_seams_ && is_mended)
-    report.most_changed = mend_seams(image, seams_, is_inside_, values, is_normals ? 0.008f : 0.5f / 255);
+  if (mender_ && is_mended)
+    report.most_changed = mender_->mend(image, values, is_normals ? 0.008f : 0.5f / 255);
   report.levels = seam_errors(image, seams_, values);
   report_seams(std::move(report));
   return image;

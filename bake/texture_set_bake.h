@@ -9,6 +9,7 @@
 
 #include "bake/bake.h"
 #include "bake/seam_fill.h"
+#include "bake/seam_mend.h"
 #include "bake/source_bake.h"
 #include "bake/texel_coverage.h"
 
@@ -68,8 +69,9 @@ class SetBake {
       has_value_;                   // of each texel: a face; a face and, with a source, a point of it
   std::vector<uint8_t> is_inside_;  // of each texel: its centre lies in a triangle
   std::vector<Seam> seams_;
-  std::unique_ptr<SeamBand> band_;  // null without seams
-  bool mends_seams_, from_source_;
+  std::unique_ptr<SeamBand> band_;      // null without seams
+  std::unique_ptr<SeamMender> mender_;  // null without seams, or if they stay as they are
+  bool from_source_;
   float reach_cm_ = 0;
   SourceMaps source_;
 };

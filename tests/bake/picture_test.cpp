@@ -1,6 +1,8 @@
 #include "bake/picture.h"
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "bake/padding.h"
 #include "dataset/model/colour.h"
@@ -156,6 +158,63 @@ TEST(Padding, KeepsCoveredTexelsAndFillsTheRestFromThem) {
         EXPECT_LE(padded.values[2 * i], 0.75f);
         EXPECT_FLOAT_EQ(padded.values[2 * i + 1], 7);
       }
+    }
+  }
+}
+
+/// Pull-push as its definition says, in doubles, with one value a texel.
+std::vector<double> plain_pull_push(const std::vector<double>& values, const std::vector<uint8_t>& is_covered,
+                                    int width, int height) {
+  if (width == 1 && height == 1) return {is_covered[0] ? values[0] : 0};
+  const int half_width = (width + 1) / 2, half_height = (height + 1) / 2;
+  std::vector<double> sum(half_width * half_height), result = values;
+  std::vector<int> count(sum.size());
+  for (int i = 0; i < width * height; ++i) {
+    if (!is_covered[i]) continue;
+    const int block = i / width / 2 * half_width + i % width / 2;
+    sum[block] += values[i];
+    ++count[block];
+  }
+  std::vector<uint8_t> half_covered(sum.size());
+  for (size_t b = 0; b < sum.size(); ++b) {
+    half_covered[b] = count[b] > 0;
+    if (count[b] > 0) sum[b] /= count[b];
+  }
+  const std::vector<double> half = plain_pull_push(sum, half_covered, half_width, half_height);
+  for (int i = 0; i < width * height; ++i) {
+    if (is_covered[i]) continue;
+    // Bilinear, at the texel's centre in the half image, whose border repeats.
+    const double x = (i % width + 0.5) / 2 - 0.5, y = (i / width + 0.5) / 2 - 0.5;
+    double value = 0;
+    for (int j = 0; j < 2; ++j)
+      for (int k = 0; k < 2; ++k) {
+        const int column = static_cast<int>(std::floor(x)) + k, row = static_cast<int>(std::floor(y)) + j;
+        const double weight = (1 - std::fabs(x - column)) * (1 - std::fabs(y - row));
+        value +=
+            weight *
+            half[std::clamp(row, 0, half_height - 1) * half_width + std::clamp(column, 0, half_width - 1)];
+      }
+    result[i] = value;
+  }
+  return result;
+}
+
+TEST(Padding, IsWhatAPlainLoopGives) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> any(0, 1);
+  for (int channels : {1, 2, 3}) {
+    Image image(37, 22, channels);
+    std::vector<uint8_t> is_covered(37 * 22);
+    for (float& value : image.values) value = any(random);
+    for (uint8_t& covered : is_covered) covered = any(random) < 0.1f;
+    const Image before = image;
+    pad(image, is_covered);
+    for (int c = 0; c < channels; ++c) {
+      std::vector<double> values;
+      for (size_t i = 0; i < is_covered.size(); ++i) values.push_back(before.values[channels * i + c]);
+      const std::vector<double> expected = plain_pull_push(values, is_covered, 37, 22);
+      for (size_t i = 0; i < expected.size(); ++i)
+        EXPECT_NEAR(image.values[channels * i + c], expected[i], 1e-5) << channels << " " << i;
     }
   }
 }
