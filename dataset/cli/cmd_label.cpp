@@ -14,12 +14,13 @@ namespace {
 struct Options {
   std::string scan, rules, faces, strokes, truth, unit, output;
   std::vector<std::string> classes;
+  std::string refine = "auto";
   bool automatic = false, serve = false;
 };
 
 int run_serve(const Options& options) {
   if (!options.rules.empty() || !options.faces.empty() || !options.truth.empty() || options.automatic ||
-      !options.output.empty())
+      !options.output.empty() || options.refine != "auto")
     throw InputError("", "--serve", "takes only --strokes and --unit", "leave the other options out");
   serve_labels({options.scan, options.strokes, options.unit}, std::cin, std::cout);
   return 0;
@@ -37,6 +38,9 @@ int run_label(const Options& options, const CommonOptions& common) {
   job.truth = options.truth;
   job.unit = options.unit;
   job.classes = options.classes;
+  job.refine = options.refine == "on"    ? RefineBorders::kOn
+               : options.refine == "off" ? RefineBorders::kOff
+                                         : RefineBorders::kAuto;
   job.output = options.output;
   const LabelReport report = label_scan(job);
   std::printf("%s", common.json ? (to_json(report).dump(2) + "\n").c_str() : to_text(report).c_str());
@@ -62,6 +66,12 @@ void add_label_command(CLI::App& app, Commands& commands) {
       ->delimiter(',');
   command->add_option("--truth", options->truth, "known classes, as --faces: prints accuracy and IoU");
   command->add_option("--unit", options->unit, "unit of the scan: mm, cm, m or inch (default: guessed)");
+  command
+      ->add_option(
+          "--refine", options->refine,
+          "borders follow the picture through faces: on, off, or auto: where classes are inferred and "
+          "faces are large")
+      ->check(CLI::IsMember({"auto", "on", "off"}));
   command->add_flag("--serve", options->serve,
                     "answer strokes as they come: JSON lines on stdin and stdout, for painting tools");
   command->add_option("-o,--output", options->output, "folder for the regions (needed, but for --serve)");

@@ -4,9 +4,7 @@
 
 #include <vector>
 
-#include "dataset/labelling/alpha_expansion.h"
-#include "dataset/model/mesh_topology.h"
-#include "dataset/model/scan.h"
+#include "dataset/labelling/border_distance.h"
 
 namespace ohb {
 
@@ -20,26 +18,25 @@ class SoftBorders {
   /// `unit_cm`: cm a unit of the scan. Borders are the edges that faces of two classes share on the welded
   /// mesh; where parts only touch, borders stay hard.
   SoftBorders(const Scan& scan, double unit_cm, const std::vector<uint8_t>& face_class);
+  /// Other borders: `classes_of_face` has one bit a class that occurs in the face.
+  SoftBorders(const Scan& scan, double unit_cm, const MeshTopology& topology,
+              const std::vector<BorderPiece>& pieces, const std::vector<uint8_t>& classes_of_face);
 
   /// Whether a border is so near that some point of the face is a mixture.
-  bool is_near(uint32_t face) const { return first_[face] < first_[face + 1]; }
+  bool is_near(uint32_t face) const { return distance_.is_near(face); }
 
-  /// The shares of the classes at a point of a face, in the scan's unit. From 1/2 and 1/2 on a border of two,
-  /// linear in the distance to it (that of the nearest piece of border that the surface connects within half
-  /// the width, so across a fold nothing blends); sums to 1. Where several borders meet their odds add up.
-  /// All 0 on a face without a class.
-  ClassValues shares_at(uint32_t face, Vec3f point) const;
+  /// The shares of the classes at a point of a face, in the scan's unit, whose class is `own`. From 1/2 and
+  /// 1/2 on a border of two, linear in the distance to it (that of the nearest piece of border that the
+  /// surface connects within half the width, so across a fold nothing blends); sums to 1. Where several
+  /// borders meet their odds add up. All 0 without a class.
+  ClassValues shares_at(uint32_t face, uint8_t own, Vec3f point) const;
 
  private:
-  struct Piece {
-    Vec3f a, b;  // cm
-    uint8_t other;
-  };
+  SoftBorders(const Scan& scan, double unit_cm, const MeshTopology& topology,
+              const std::vector<uint8_t>& face_class);
 
   float unit_cm_;
-  std::vector<uint8_t> face_class_;
-  std::vector<uint32_t> first_;  // pieces of face f: [first_[f], first_[f + 1])
-  std::vector<Piece> pieces_;
+  BorderDistance distance_;
 };
 
 }  // namespace ohb

@@ -18,6 +18,7 @@ namespace {
 struct Labels {
   std::vector<uint8_t> face_class;
   std::vector<float> confidence;  // empty if nothing was inferred
+  std::vector<bool> is_given;     // by names or strokes; empty as confidence
 };
 
 /// "a, b and 3 more": the distinct materials of the faces without a class.
@@ -51,16 +52,20 @@ void infer_classes(Labeller& labeller, const std::vector<Stroke>& strokes, const
   InferenceReport of;
   of.strokes = strokes.size();
   labels.confidence.assign(areas.size(), 1);
+  labels.is_given.assign(areas.size(), true);
   double area = 0;
   for (size_t f = 0; f < areas.size(); ++f) {
     if (labels.face_class[f] != kUnlabelled) continue;
     labels.face_class[f] = inferred.face_class[f];
     labels.confidence[f] = inferred.confidence[f];
+    labels.is_given[f] = false;
     ++of.faces;
     area += areas[f];
     of.confidence += areas[f] * inferred.confidence[f];
     if (inferred.confidence[f] < kDoubtful) of.doubtful_area += areas[f];
   }
+  for (uint32_t f : stroked_faces(strokes, labeller.features().graph, labeller.unit_cm()).face)
+    labels.is_given[f] = true;
   if (area > 0) of.confidence /= area;
   if (inferred.suggested && of.faces == areas.size()) of.suggested = inferred.suggested;
   report.inferred = of;
@@ -151,6 +156,30 @@ void label_by_rules(const Scan& scan, const LabelJob& job, const std::vector<dou
   infer_classes(labeller, {}, areas, labels, report);
 }
 
+/// Writes the class maps, along the picture's borders or the faces'.
+void write_maps(const fs::path& folder, const Scan& scan, const LabelJob& job, const Labels& labels,
+                LabelReport& report) {
+  FaceLabels shown{labels.face_class, labels.confidence};
+  std::optional<TexelLabels> texels;
+  std::optional<SoftBorders> borders;
+  if (!report.unit_cm) {
+    report.warnings.push_back("the unit is not known: borders are hard; give --unit");
+  } else if (job.refine == RefineBorders::kOn ||
+             (job.refine == RefineBorders::kAuto && !labels.confidence.empty())) {
+    texels.emplace(scan, *report.unit_cm, labels.face_class, labels.is_given,
+                   job.refine == RefineBorders::kAuto);
+    report.texel_borders = texels->summary();
+    borders.emplace(scan, *report.unit_cm, mesh_topology(scan), texels->borders(), texels->classes_of_face());
+    shown.texels = &*texels;
+    shown.unit_cm = *report.unit_cm;
+  } else {
+    borders.emplace(scan, *report.unit_cm, labels.face_class);
+  }
+  if (borders) shown.borders = &*borders;
+  for (const std::string& name : write_class_maps(folder, scan, shown))
+    report.warnings.push_back("material '" + name + "' has faces without usable UVs: no class map for it");
+}
+
 std::vector<uint8_t> classes_of_file(const fs::path& file, const Scan& scan, const LabelJob& job) {
   return read_face_classes(file, scan.face_count(),
                            job.classes.empty() ? class_order_of(file, job.scan) : job.classes);
@@ -210,14 +239,7 @@ LabelReport label_scan(const LabelJob& job) {
     report.truth = compare_with_truth(regions.face_class, classes_of_file(job.truth, scan, job), areas);
   write_regions(folder.path(), regions);
   if (!job.strokes.empty()) write_file_atomically(folder.path() / "strokes.xml", read_file(job.strokes));
-  std::optional<SoftBorders> borders;
-  if (report.unit_cm)
-    borders.emplace(scan, *report.unit_cm, labels.face_class);
-  else
-    report.warnings.push_back("the unit is not known: borders are hard; give --unit");
-  const FaceLabels shown{labels.face_class, labels.confidence, borders ? &*borders : nullptr};
-  for (const std::string& name : write_class_maps(folder.path(), scan, shown))
-    report.warnings.push_back("material '" + name + "' has faces without usable UVs: no class map for it");
+  write_maps(folder.path(), scan, job, labels, report);
   write_file_atomically(folder.path() / "report.json", to_json(report).dump(2) + "\n");
   write_file_atomically(folder.path() / "report.txt", to_text(report));
   folder.commit();

@@ -11,6 +11,10 @@
 
 namespace ohb {
 
+/// Whether borders follow the picture through faces (see texel_labels.h). kAuto: where classes are inferred
+/// and the faces along borders are large; finished classes, rules and names are taken at their word.
+enum class RefineBorders { kAuto, kOn, kOff };
+
 struct LabelJob {
   std::filesystem::path scan;
   /// At most one of these four. Without any, assets/rules_by_name.xml decides by the names of materials and
@@ -20,8 +24,9 @@ struct LabelJob {
   /// What the indices of `faces` and `truth` mean. Empty: "classes" of the JSON beside the file
   /// (x.labels.txt: x.json; else the scan's own), else skin, hair, fabric, leather.
   std::vector<std::string> classes;
-  std::filesystem::path truth;   // known classes to compare with; empty: none
-  std::string unit;              // as --unit; empty: guessed. Needed for strokes and start labels
+  std::filesystem::path truth;  // known classes to compare with; empty: none
+  std::string unit;             // as --unit; empty: guessed. Needed for strokes and start labels
+  RefineBorders refine = RefineBorders::kAuto;
   std::filesystem::path output;  // REGIONS folder, written whole or not at all
 };
 

@@ -13,17 +13,7 @@
 namespace ohb {
 namespace {
 
-constexpr int kMaxMapEdge_px = 8192, kPreviewEdge_px = 1024, kSizeWithoutPicture_px = 1024;
-
-/// Width and height of a material's class map.
-std::pair<int, int> map_size(const ScanMaterial& material) {
-  if (material.diffuse.empty()) return {kSizeWithoutPicture_px, kSizeWithoutPicture_px};
-  const Image picture = read_image(material.diffuse);
-  const int longer = std::max(picture.width_px, picture.height_px);
-  const double scale = std::min(1.0, static_cast<double>(kMaxMapEdge_px) / longer);
-  return {std::max(1, static_cast<int>(std::lround(picture.width_px * scale))),
-          std::max(1, static_cast<int>(std::lround(picture.height_px * scale)))};
-}
+constexpr int kPreviewEdge_px = 1024;
 
 Image preview_of(const Image& classes) {
   const int step = (std::max(classes.width_px, classes.height_px) + kPreviewEdge_px - 1) / kPreviewEdge_px;
@@ -38,8 +28,43 @@ Image preview_of(const Image& classes) {
   return preview;
 }
 
+/// In the scan's unit: the point that a texel shows.
+Vec3f point_of_texel(const Scan& scan, const MaterialTriangles& of, const TexelCoverage& coverage, int x,
+                     int y) {
+  const uint32_t owner = coverage.owner_of(x, y);
+  const TexelTriangle in_texels = to_texel_space(of.uvs[owner], coverage.width_px, coverage.height_px);
+  const NearestPoint nearest = nearest_point_of_texel(in_texels, coverage.width_px, coverage.height_px, x, y);
+  Vec3f point;
+  for (size_t c = 0; c < 3; ++c)
+    point +=
+        static_cast<float>(nearest.weights[c]) * scan.positions[scan.corners[of.corners[owner][c]].position];
+  return point;
+}
+
+/// The class at each texel, kUnlabelled where there is no face.
+std::vector<uint8_t> classes_of_texels(const Scan& scan, size_t material, const MaterialTriangles& of,
+                                       const TexelCoverage& coverage, const FaceLabels& labels) {
+  const int width = coverage.width_px, height = coverage.height_px;
+  std::vector<uint8_t> classes(coverage.owner.size(), kUnlabelled);
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) {
+      const uint32_t owner = coverage.owner_of(x, y);
+      if (owner == TexelCoverage::kNone) continue;
+      const uint32_t face = of.face[owner];
+      uint8_t& at = classes[static_cast<size_t>(y) * width + x];
+      at = labels.face_class[face];
+      if (labels.texels && labels.texels->is_refined(face))
+        at = labels.texels->class_at(
+            material, face, (x + 0.5) / width, (y + 0.5) / height,
+            point_of_texel(scan, of, coverage, x, y) * static_cast<float>(labels.unit_cm));
+    }
+  });
+  return classes;
+}
+
 void write_weights(const std::filesystem::path& file, const Scan& scan, const MaterialTriangles& of,
-                   const TexelCoverage& coverage, const SoftBorders& borders) {
+                   const TexelCoverage& coverage, const std::vector<uint8_t>& classes,
+                   const SoftBorders& borders) {
   const int width = coverage.width_px, height = coverage.height_px;
   Image weights(width, height, kClassCount);
   tbb::parallel_for(0, height, [&](int y) {
@@ -47,14 +72,9 @@ void write_weights(const std::filesystem::path& file, const Scan& scan, const Ma
       const uint32_t owner = coverage.owner_of(x, y);
       if (owner == TexelCoverage::kNone) continue;
       Vec3f point;
-      if (borders.is_near(of.face[owner])) {
-        const TexelTriangle in_texels = to_texel_space(of.uvs[owner], width, height);
-        const NearestPoint nearest = nearest_point_of_texel(in_texels, width, height, x, y);
-        for (int c = 0; c < 3; ++c)
-          point += static_cast<float>(nearest.weights[c]) *
-                   scan.positions[scan.corners[of.corners[owner][static_cast<size_t>(c)]].position];
-      }
-      const ClassValues shares = borders.shares_at(of.face[owner], point);
+      if (borders.is_near(of.face[owner])) point = point_of_texel(scan, of, coverage, x, y);
+      const ClassValues shares =
+          borders.shares_at(of.face[owner], classes[static_cast<size_t>(y) * width + x], point);
       std::copy(shares.begin(), shares.end(), weights.pixel(x, y));
     }
   });
@@ -81,24 +101,24 @@ std::vector<std::string> write_class_maps(const std::filesystem::path& folder, c
     const MaterialTriangles of = material_triangles(scan, triangles, m);
     if (of.unusable > 0) without_map.push_back(scan.materials[m].name);
     if (of.unusable > 0 || of.face.empty()) continue;
-    const auto [width, height] = map_size(scan.materials[m]);
+    const auto [width, height] = class_map_size(scan.materials[m]);
     const TexelCoverage coverage = cover_texels(of.uvs, width, height);
     const std::filesystem::path maps = folder / "maps" / folders[m];
     make_folders(maps);
-    const auto of_faces = [&](float background, const auto& value_of) {
-      Image image(coverage.width_px, coverage.height_px, 1);
-      for (size_t i = 0; i < coverage.owner.size(); ++i)
-        image.values[i] =
-            coverage.owner[i] == TexelCoverage::kNone ? background : value_of(of.face[coverage.owner[i]]);
-      return image;
-    };
-    const Image classes =
-        of_faces(1, [&](uint32_t face) { return static_cast<float>(labels.face_class[face]) / 255; });
+    const std::vector<uint8_t> of_texel = classes_of_texels(scan, m, of, coverage, labels);
+    Image classes(width, height, 1);
+    for (size_t i = 0; i < of_texel.size(); ++i) classes.values[i] = static_cast<float>(of_texel[i]) / 255;
     write_png(maps / "classes.png", classes);
     write_png(maps / "classes_preview.png", preview_of(classes));
-    if (labels.borders) write_weights(maps / "weights.exr", scan, of, coverage, *labels.borders);
-    if (!labels.confidence.empty())
-      write_png(maps / "confidence.png", of_faces(1, [&](uint32_t face) { return labels.confidence[face]; }));
+    if (labels.borders) write_weights(maps / "weights.exr", scan, of, coverage, of_texel, *labels.borders);
+    if (!labels.confidence.empty()) {
+      Image confidence(width, height, 1);
+      for (size_t i = 0; i < confidence.values.size(); ++i) {
+        const uint32_t owner = coverage.owner[i];
+        confidence.values[i] = owner == TexelCoverage::kNone ? 1 : labels.confidence[of.face[owner]];
+      }
+      write_png(maps / "confidence.png", confidence);
+    }
   }
   return without_map;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dataset/labelling/soft_borders.h"
+#include "dataset/labelling/texel_labels.h"
 #include "dataset/model/scan.h"
 #include "dataset/model/vec.h"
 
@@ -16,11 +17,14 @@ struct FaceLabels {
   std::vector<uint8_t> face_class;
   std::vector<float> confidence;         // in [0,1]; empty: not known
   const SoftBorders* borders = nullptr;  // null: no weights
+  const TexelLabels* texels = nullptr;   // null: each texel has the class of its face
+  double unit_cm = 1;                    // cm a unit of the scan; for `texels`
 };
 
 /// Writes into maps/<material>, for each material that has faces, at the size of its diffuse picture
 /// (1024 x 1024 without one, at most 8192):
-/// - classes.png: 8 bit, the class index of the face that each texel shows, nearest, 255 where there is none;
+/// - classes.png: 8 bit, the class index at each texel, or of the face that it shows, 255 where there is
+/// none;
 /// - classes_preview.png: the same coloured, at most 1024 px;
 /// - weights.exr, with borders: half, the shares of skin, hair, fabric and leather at each texel; all 0 where
 ///   there is no face or no class;

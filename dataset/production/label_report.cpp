@@ -61,6 +61,32 @@ std::string inference_text(const InferenceReport& inferred, const LabelReport& r
   return text;
 }
 
+nlohmann::ordered_json borders_json(const TexelLabels::Summary& borders) {
+  nlohmann::ordered_json json{
+      {"refined", borders.is_refined}, {"border_cm", borders.border_cm}, {"edge_mm", 10 * borders.edge_cm}};
+  if (!borders.is_refined) {
+    json["reason"] = borders.reason;
+    return json;
+  }
+  json["band_mm"] = 10 * borders.band_cm;
+  json["texel_mm"] = 10 * borders.texel_cm;
+  json["texels"] = borders.texels;
+  json["changed_cm2"] = borders.changed_cm2;
+  json["shift_mm"] = borders.shift_mm();
+  json["seconds"] = borders.seconds;
+  return json;
+}
+
+std::string borders_text(const TexelLabels::Summary& borders) {
+  if (!borders.is_refined) return "  borders follow the faces: " + borders.reason + "\n";
+  return fmt::format(
+      "  borders follow the picture: {:.0f} cm2 changed class within {:.1f} mm of {:.0f} cm of borders, "
+      "{:.2f} mm "
+      "in the mean ({} texels of {:.2f} mm, {:.1f} s)\n",
+      borders.changed_cm2, 10 * borders.band_cm, borders.border_cm, borders.shift_mm(), borders.texels,
+      10 * borders.texel_cm, borders.seconds);
+}
+
 std::string truth_text(const TruthComparison& truth) {
   std::string text = fmt::format("against the truth: accuracy {:.2f} % of the area, mean IoU {:.3f}\n",
                                  100 * truth.accuracy, truth.mean_iou);
@@ -161,6 +187,7 @@ nlohmann::ordered_json to_json(const LabelReport& report) {
     json["rules"].push_back(
         {{"rule", rule.text}, {"matched_faces", rule.matched}, {"took", share_json(rule.took, report)}});
   if (report.inferred) json["inferred"] = inference_json(*report.inferred, report);
+  if (report.texel_borders) json["texel_borders"] = borders_json(*report.texel_borders);
   if (report.truth) json["truth"] = truth_json(*report.truth);
   json["warnings"] = report.warnings;
   return json;
@@ -182,6 +209,7 @@ std::string to_text(const LabelReport& report) {
           "  rule {}: {} faces, {:.2f} % of the area ({})\n", r + 1, report.rules[r].took.faces,
           100 * share(report.rules[r].took.area, report.total_area), shortened(report.rules[r].text));
   if (report.inferred) text += inference_text(*report.inferred, report);
+  if (report.texel_borders) text += borders_text(*report.texel_borders);
   if (report.truth) text += truth_text(*report.truth);
   for (const std::string& warning : report.warnings) text += "warning: " + warning + "\n";
   return text;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "dataset/labelling/doubt.h"
+#include "dataset/labelling/texel_labels.h"
 #include "dataset/model/regions.h"
 #include "dataset/model/scan.h"
 #include "dataset/production/label_rules.h"
@@ -56,6 +57,7 @@ struct LabelReport {
   ClassShare unlabelled;
   std::vector<RuleReport> rules;
   std::optional<InferenceReport> inferred;
+  std::optional<TexelLabels::Summary> texel_borders;  // if it was tried
   std::optional<TruthComparison> truth;
   std::vector<std::string> warnings;
 };

@@ -44,7 +44,7 @@ TEST(SoftBorders, AreAsWideAsTheirPairOfClassesInAnyUnitAndFineness) {
         const double width = kBorderWidth_cm[left][right];
         for (double x_cm = 0.013; x_cm < 2; x_cm += 0.02) {
           const auto face = static_cast<uint32_t>(x_cm * faces_of_cm);
-          const ClassValues shares = borders.shares_at(face, {static_cast<float>(x_cm / unit_cm), 0.5f, 0});
+          const ClassValues shares = borders.shares_at(face, face_class[face], {static_cast<float>(x_cm / unit_cm), 0.5f, 0});
           const double expected = std::clamp(0.5 + (x_cm - 1) / width, 0.0, 1.0);
           ASSERT_NEAR(shares[right], expected, 1e-4)
               << left << right << " " << unit_cm << " " << faces_of_cm << " " << x_cm;
@@ -66,9 +66,9 @@ TEST(SoftBorders, SumToOneWhereThreeClassesMeetAndKeepTheOwnClassFirst) {
   scan.face_material.assign(3, 0);
   scan.face_group.assign(3, 0);
   const SoftBorders borders(scan, 1, {kSkin, kHair, kFabric});
-  const ClassValues middle = borders.shares_at(0, {0, 0, 0});
+  const ClassValues middle = borders.shares_at(0, kSkin, {0, 0, 0});
   for (int c : {0, 1, 2}) EXPECT_NEAR(middle[c], 1.0f / 3, 1e-5f);
-  const ClassValues near = borders.shares_at(0, {0.1f, 0.1f, 0});
+  const ClassValues near = borders.shares_at(0, kSkin, {0.1f, 0.1f, 0});
   EXPECT_GT(near[kSkin], 0.5f);
   EXPECT_NEAR(near[0] + near[1] + near[2] + near[3], 1, 1e-6f);
 }
@@ -83,8 +83,8 @@ TEST(SoftBorders, DoNotReachThroughAThinSheet) {
   scan.face_material.assign(8, 0);
   scan.face_group.assign(8, 0);
   const SoftBorders borders(scan, 1, {kSkin, kSkin, kSkin, kSkin, kHair, kHair, kFabric, kFabric});
-  EXPECT_EQ(borders.shares_at(1, {0.99f, 0.5f, 0})[kSkin], 1);
-  EXPECT_NEAR(borders.shares_at(5, {0.99f, 0.5f, 0.1f})[kFabric], 0.5f - 0.01f / 0.3f, 1e-4f);
+  EXPECT_EQ(borders.shares_at(1, kSkin, {0.99f, 0.5f, 0})[kSkin], 1);
+  EXPECT_NEAR(borders.shares_at(5, kHair, {0.99f, 0.5f, 0.1f})[kFabric], 0.5f - 0.01f / 0.3f, 1e-4f);
 }
 
 TEST(SoftBorders, BakeMixesTheValuesThatTheWeightsSay) {
