@@ -16,10 +16,10 @@ namespace {
 constexpr float kLeastBand_cm = 0.3f,
                 kMostBand_cm = 2;     // else the length of an edge: the most a border is off
 constexpr double kFineEdge_cm = 0.1;  // a border along such edges is as good as one of texels
-constexpr float kColour = 0.5f, kWay = 0.05f, kBorder_cm = 0.3f;
+constexpr float kColour = 0.5f, kWay = 0.05f, kBorder_cm = 0.6f;
 constexpr float kFloor = 0.01f;  // least probability
 constexpr float kNever = 1e4f;   // cost of a class that a texel cannot have
-constexpr float kLeastDifference = 2, kLeastLikeness = 0.02f;
+constexpr float kLeastDifference = 2, kLeastLikeness = 0.2f;
 constexpr int kSureStride = 3;  // of the texels beyond the band whose colours are gathered
 constexpr std::array<std::array<float, kClassCount>, kClassCount> kAlikeDistances = {
     {{0, 1, 1, 1}, {1, 0, 1, 1}, {1, 1, 0, 1}, {1, 1, 1, 0}}};
@@ -110,6 +110,7 @@ class TexelSolve {
       labels_.node_class_ = own_classes();
       minimise(energy, labels_.node_class_);
     }
+    drop_islands();
     double area = 0;
     for (size_t n = 0; n < nodes_.size(); ++n) {
       labels_.node_point_cm_.push_back(nodes_[n].point);
@@ -253,6 +254,26 @@ class TexelSolve {
       }
     }
     return has_some;
+  }
+
+  /// A border that moves takes no islands: texels that left their face's class and that no way over texels of
+  /// their new class connects with a face of that class (nostrils in the colour of hair) go back.
+  void drop_islands() {
+    DisjointSets sets(nodes_.size() + kClassCount);  // the last stand for what already was of each class
+    const auto ground = [&](uint8_t c) { return static_cast<uint32_t>(nodes_.size()) + c; };
+    for (uint32_t n = 0; n < nodes_.size(); ++n)
+      if (labels_.node_class_[n] == labels_.face_class_[nodes_[n].face])
+        sets.join(n, ground(labels_.node_class_[n]));
+    for (const TexelLink& link : links_) {
+      const uint8_t one = class_at(link.texel[0]), two = class_at(link.texel[1]);
+      if (one != two) continue;
+      const uint32_t a = node_at(link.texel[0]), b = node_at(link.texel[1]);
+      if (a == TexelGrid::kNone && b == TexelGrid::kNone) continue;
+      sets.join(a == TexelGrid::kNone ? ground(one) : a, b == TexelGrid::kNone ? ground(one) : b);
+    }
+    for (uint32_t n = 0; n < nodes_.size(); ++n)
+      if (sets.find(n) != sets.find(ground(labels_.node_class_[n])))
+        labels_.node_class_[n] = labels_.face_class_[nodes_[n].face];
   }
 
   void collect_borders() {
