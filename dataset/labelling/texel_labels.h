@@ -3,11 +3,11 @@
 //
 // Energy of the labels l over texels t and the pairs (t, u) that lie beside each other, in the picture or
 // across a UV seam:
-//   sum_t A_t [ -k_colour log G_l(t) + k_way (d_l(t) / band)^2 ] + k_border sum_tu b_tu w_tu M(l_t, l_u)
+//   sum_t A_t [ -k_colour log G_l(t) + k_way (d_l(t) / band)^2 ] + k_border sum_tu b_tu w_tu [l_t != l_u]
 // A area, b length of the shared border, G the probability by the colours of the classes near by on this
-// person, d the way that the border of the faces would have to come, w and M as for faces (labeller.h).
-// Texels beyond the band keep the class of their face. Without contrast the border becomes short and stays
-// near that of the faces.
+// person, d the way that the border of the faces would have to come, w the likeness of the colours. Texels
+// beyond the band keep the class of their face, and so do islands and all where the colours beside the border
+// that comes out cannot be told from each other.
 #pragma once
 
 #include "dataset/labelling/border_distance.h"
