@@ -14,7 +14,7 @@ struct Options {
   int size_px = 0;
   double reach_cm = 0, max_missed_percent = 100 * kMaxMissedShare;
   double max_overlap_percent = 100 * kMaxSourceOverlapShare;
-  bool wants_object_normals = false, keeps_seams = false;
+  bool wants_object_normals = false, keeps_seams = false, delights = false;
 };
 
 int run_bake(const Options& options, const CommonOptions& common) {
@@ -36,7 +36,8 @@ int run_bake(const Options& options, const CommonOptions& common) {
   job.keeps_seams = options.keeps_seams;
   job.wants_object_normals = options.wants_object_normals;
   job.output = options.output;
-  const BakeReport report = bake_scan(job);
+  job.delights = options.delights;
+  const BakeScanReport report = bake_scan(job);
   std::printf("%s", common.json ? (to_json(report).dump(2) + "\n").c_str() : to_text(report).c_str());
   return 0;
 }
@@ -88,13 +89,16 @@ void add_bake_command(CLI::App& app, Commands& commands) {
                     "write the source's normals in the model's axes too (normal_object.exr)");
   command->add_flag("--keep-seams", options->keeps_seams,
                     "leave the texels at seams as they are (default: both sides are made to agree)");
+  command->add_flag("--delight", options->delights,
+                    "divide the scan's pictures by the light of its surroundings, where they follow it");
   command->add_option("-o,--output", options->output, "folder for the model")->required();
   add_common_options(*command, commands.common);
   command->footer(
       "Examples:\n"
       "  openhumanbrdf bake person.obj --regions regions -o model\n"
       "  openhumanbrdf bake person.glb --regions regions --size 4096 --unit m -o model\n"
-      "  openhumanbrdf bake low.obj --regions regions --source high.obj --size 4096 -o model");
+      "  openhumanbrdf bake low.obj --regions regions --source high.obj --size 4096 -o model\n"
+      "  openhumanbrdf bake person.obj --regions regions --delight -o model");
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_bake(*options, commands.common); };
   });

@@ -1,5 +1,7 @@
 #include "dataset/production/bake_scan.h"
 
+#include <nlohmann/json.hpp>
+
 #include <algorithm>
 
 #include "dataset/model/atomic_file.h"
@@ -100,6 +102,12 @@ std::vector<fs::path> class_weights(const Scan& scan, const fs::path& regions) {
   return files;
 }
 
+/// Half is 1: darker texels were made brighter.
+void write_divisor(const fs::path& file, Image divisor) {
+  for (float& value : divisor.values) value *= 0.5f;
+  write_png(file, divisor);
+}
+
 }  // namespace
 
 std::unique_ptr<BakeInputs> read_bake_inputs(const BakeJob& job) {
@@ -123,11 +131,34 @@ std::unique_ptr<BakeInputs> read_bake_inputs(const BakeJob& job) {
   return inputs;
 }
 
-BakeReport bake_scan(const BakeJob& job) {
+nlohmann::ordered_json to_json(const BakeScanReport& report) {
+  nlohmann::ordered_json json = to_json(report.bake);
+  if (!report.delight.regions.empty()) json["delight"] = to_json(report.delight);
+  return json;
+}
+
+std::string to_text(const BakeScanReport& report) {
+  return to_text(report.bake) + to_text(report.delight);
+}
+
+BakeScanReport bake_scan(const BakeJob& job) {
   AtomicFolder folder(job.output);
-  const std::unique_ptr<const BakeInputs> inputs = read_bake_inputs(job);
-  BakeReport report =
-      bake_to_folder(inputs->scan, inputs->regions, inputs->table, inputs->options, folder.path());
+  const std::unique_ptr<BakeInputs> inputs = read_bake_inputs(job);
+  BakeScanReport report;
+  const fs::path scratch = folder.path() / "delit";
+  if (job.delights) {
+    if (!job.source.empty())
+      throw InputError("--delight", "", "is for the scan's own pictures, not for those of a source",
+                       "delight the source by a bake of its own, or leave --delight out");
+    fs::create_directories(scratch);
+    report.delight = delight(inputs->scan, inputs->regions, inputs->options.unit_cm, scratch);
+  }
+  report.bake = bake_to_folder(inputs->scan, inputs->regions, inputs->table, inputs->options, folder.path());
+  fs::remove_all(scratch);
+  for (size_t i = 0; i < report.delight.divisors.size(); ++i)
+    write_divisor(folder.path() / "maps" / report.delight.set_folders[i] / "divisor.png",
+                  report.delight.divisors[i]);
+  if (job.delights) write_file_atomically(folder.path() / "report.json", to_json(report).dump(2) + "\n");
   folder.commit();
   return report;
 }

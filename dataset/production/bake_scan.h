@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bake/bake.h"
+#include "dataset/production/delight.h"
 
 namespace ohb {
 
@@ -23,6 +24,7 @@ struct BakeJob {
   double max_missed_percent = 100 * kMaxMissedShare, max_overlap_percent = 100 * kMaxSourceOverlapShare;
   bool wants_object_normals = false;
   bool keeps_seams = false;      // BakeOptions::mends_seams off
+  bool delights = false;         // divides the pictures by the light that is baked into them (delight.h)
   std::filesystem::path output;  // MODEL folder, written whole or not at all
   bool quiet = false;
 };
@@ -38,7 +40,15 @@ struct BakeInputs {
 /// Throws InputError: files missing or malformed, regions of another scan, unit not known.
 std::unique_ptr<BakeInputs> read_bake_inputs(const BakeJob& job);
 
-/// Throws as read_bake_inputs and bake_to_folder; TryAgainError for a full disk.
-BakeReport bake_scan(const BakeJob& job);
+/// What bake_scan did. `delight` is empty without BakeJob::delights.
+struct BakeScanReport {
+  BakeReport bake;
+  DelightReport delight;
+};
+nlohmann::ordered_json to_json(const BakeScanReport& report);
+std::string to_text(const BakeScanReport& report);
+
+/// Throws as read_bake_inputs, delight and bake_to_folder; TryAgainError for a full disk.
+BakeScanReport bake_scan(const BakeJob& job);
 
 }  // namespace ohb

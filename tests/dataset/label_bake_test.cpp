@@ -62,6 +62,24 @@ void edit(const fs::path& file, const std::string& from, const std::string& to) 
   write_bytes(file, content.replace(content.find(from), from.size(), to));
 }
 
+TEST(LabelBake, DelightReportsAndLeavesNothingBehind) {
+  Square square;
+  label_scan(square.label);
+  square.bake.delights = true;
+  const BakeScanReport report = bake_scan(square.bake);
+  ASSERT_EQ(report.delight.regions.size(), 2u);
+  EXPECT_EQ(report.delight.regions[0].name, "skin");
+  EXPECT_FALSE(report.delight.regions[0].is_delit) << "an open square has no shade";
+  EXPECT_EQ(report.delight.regions[0].mean_irradiance, 1);
+  EXPECT_NE(to_text(report).find("nothing to delight"), std::string::npos);
+  EXPECT_NE(read_file(square.bake.output / "report.json").find("\"least_slope\""), std::string::npos);
+  EXPECT_TRUE(fs::is_regular_file(square.bake.output / "maps/shirt/divisor.png"));
+  EXPECT_FALSE(fs::exists(square.bake.output / "delit"));
+  read_model(square.bake.output);
+  square.bake.source = square.bake.scan;
+  expect_message(input_error_of([&] { bake_scan(square.bake); }), {"--delight", "source"});
+}
+
 TEST(LabelBake, FromFilesToAModelThatReadsBack) {
   Square square;
   square.label.truth = write_bytes(square.folder / "truth.txt", "0\n3\n");
@@ -91,7 +109,7 @@ TEST(LabelBake, UnitsAreAppliedAndRecorded) {
   Square square;
   square.bake.unit = "inch";
   label_scan(square.label);
-  EXPECT_EQ(bake_scan(square.bake).unit_cm, 2.54);
+  EXPECT_EQ(bake_scan(square.bake).bake.unit_cm, 2.54);
   EXPECT_NEAR(bounds_of(read_model(square.bake.output).positions_cm).high.y, 381, 1e-3);
 }
 

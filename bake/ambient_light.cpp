@@ -1,0 +1,116 @@
+#include "bake/ambient_light.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "renderer/embree_compat.h"
+
+namespace ohb {
+namespace {
+
+constexpr float kStartShare = 1e-4f;  // of the mesh's diagonal: how far above the surface rays start
+
+/// Releases Embree's handles.
+struct Occluders {
+  std::vector<Vec3f> positions;  // one more than there are: Embree reads 16 bytes at the last
+  std::vector<uint32_t> indices, triangle_of;
+  RTCDevice device = nullptr;
+  RTCScene bvh = nullptr;
+
+  Occluders(const Model& mesh, const std::vector<uint8_t>& occludes) : positions(mesh.positions_cm) {
+    positions.emplace_back();
+    for (uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (!occludes[t]) continue;
+      indices.insert(indices.end(), mesh.triangles[t].position, mesh.triangles[t].position + 3);
+      triangle_of.push_back(t);
+    }
+    device = rtcNewDevice(nullptr);
+    if (!device) throw std::runtime_error("Embree found no device");
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0,
+                               sizeof(Vec3f), positions.size() - 1);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0,
+                               3 * sizeof(uint32_t), triangle_of.size());
+    rtcCommitGeometry(geometry);
+    bvh = rtcNewScene(device);
+    rtcSetSceneFlags(bvh, RTC_SCENE_FLAG_ROBUST);
+    rtcAttachGeometry(bvh, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(bvh);
+  }
+  ~Occluders() {
+    rtcReleaseScene(bvh);
+    rtcReleaseDevice(device);
+  }
+  Occluders(const Occluders&) = delete;
+  Occluders& operator=(const Occluders&) = delete;
+};
+
+/// Two unit vectors that make a right-handed frame with n (Duff et al. 2017).
+void frame_around(Vec3f n, Vec3f& t, Vec3f& b) {
+  const float sign = std::copysign(1.0f, n.z), a = -1 / (sign + n.z), c = n.x * n.y * a;
+  t = {1 + sign * n.x * n.x * a, sign * c, -sign * n.x};
+  b = {c, sign + n.y * n.y * a, -n.y};
+}
+
+float fraction(double x) {
+  return static_cast<float>(x - std::floor(x));
+}
+
+/// Van der Corput's sequence in base 2.
+float radical_inverse(uint32_t i) {
+  i = (i << 16) | (i >> 16);
+  i = ((i & 0x00ff00ffu) << 8) | ((i & 0xff00ff00u) >> 8);
+  i = ((i & 0x0f0f0f0fu) << 4) | ((i & 0xf0f0f0f0u) >> 4);
+  i = ((i & 0x33333333u) << 2) | ((i & 0xccccccccu) >> 2);
+  i = ((i & 0x55555555u) << 1) | ((i & 0xaaaaaaaau) >> 1);
+  return static_cast<float>(i >> 8) * 0x1p-24f;
+}
+
+Vec3f irradiance_at(const Occluders& occluders, const Model& mesh, const std::vector<Vec3f>& glow, uint32_t p,
+                    Vec3f normal, float start_cm, int rays) {
+  const float turn_x = fraction(p * 0.7548776662466927), turn_y = fraction(p * 0.5698402909980532);
+  Vec3f t, b, sum{0, 0, 0};
+  frame_around(normal, t, b);
+  const Vec3f origin = mesh.positions_cm[p] + start_cm * normal;
+  for (int i = 0; i < rays; ++i) {
+    const float u = fraction((i + 0.5) / rays + turn_x);
+    const float phi = 6.2831853f * fraction(radical_inverse(static_cast<uint32_t>(i)) + turn_y);
+    const float radius = std::sqrt(u), z = std::sqrt(1 - u);
+    const Vec3f d = radius * std::cos(phi) * t + radius * std::sin(phi) * b + z * normal;
+    RTCRayHit r{};
+    r.ray.org_x = origin.x, r.ray.org_y = origin.y, r.ray.org_z = origin.z;
+    r.ray.dir_x = d.x, r.ray.dir_y = d.y, r.ray.dir_z = d.z;
+    r.ray.tfar = std::numeric_limits<float>::infinity();
+    r.ray.mask = 0xffffffffu;
+    r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    intersect_one(occluders.bvh, r);
+    if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
+      sum += Vec3f{1, 1, 1};
+      continue;
+    }
+    const uint32_t* const hit = mesh.triangles[occluders.triangle_of[r.hit.primID]].position;
+    sum += (1 - r.hit.u - r.hit.v) * glow[hit[0]] + r.hit.u * glow[hit[1]] + r.hit.v * glow[hit[2]];
+  }
+  return sum * (1 / static_cast<float>(rays));
+}
+
+}  // namespace
+
+std::vector<Vec3f> ambient_irradiance(const Model& mesh, const std::vector<uint8_t>& occludes,
+                                      const std::vector<Vec3f>& glow, int rays) {
+  const Occluders occluders(mesh, occludes);
+  const std::vector<Vec3f> normals = smooth_normals(mesh);
+  const Bounds bounds = bounds_of(mesh.positions_cm);
+  const float start_cm = kStartShare * length(bounds.high - bounds.low);
+  std::vector<Vec3f> irradiance(mesh.positions_cm.size());
+  tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(irradiance.size()), [&](uint32_t p) {
+    irradiance[p] = irradiance_at(occluders, mesh, glow, p, normals[p], start_cm, rays);
+  });
+  return irradiance;
+}
+
+}  // namespace ohb
