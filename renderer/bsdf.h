@@ -6,6 +6,7 @@
 #pragma once
 
 #include "renderer/cycles_model.h"
+#include "renderer/eight.h"
 #include "renderer/sampling.h"
 
 namespace ohb {
@@ -56,6 +57,12 @@ struct BsdfValue {
   float pdf = 0;
 };
 
+/// The same for eight directions.
+struct BsdfValue8 {
+  Vec3f8 value;
+  Float8 pdf = 0;
+};
+
 class PrincipledV1 {
  public:
   /// base: linear albedo; roughness: perceptual; f0: normal-incidence reflectance. n must already be made
@@ -93,6 +100,38 @@ class PrincipledV1 {
     // Light below the smooth surface must not make highlights through a tilted normal (3.4.1).
     if (has_specular_ && alpha2_ > cycles::kMirrorAlpha2 && dot(ns_, wi) > 0) add_specular(wi, cos_i, result);
     return result;
+  }
+
+  /// eval() of eight directions.
+  BsdfValue8 eval(const Vec3f8& wi) const {
+    const Float8 zero = 0, one = 1;
+    const Float8 cos_i = dot(n_, wi);
+    const Mask8 is_above = cos_i > zero;
+    Float8 diffuse = 0, specular = 0, pdf = 0;
+    if (has_diffuse_) {
+      diffuse = diffuse_eight(wi, cos_i);
+      pdf = diffuse_share_ * kInvPi * cos_i;
+    }
+    if (has_specular_ && alpha2_ > cycles::kMirrorAlpha2) {
+      const Vec3f8 sum{wi.x + wo_.x, wi.y + wo_.y, wi.z + wo_.z};
+      const Float8 scale = 1 / sqrt(dot(sum, sum));
+      const Vec3f8 h{scale * sum.x, scale * sum.y, scale * sum.z};
+      const Float8 cos_h = dot(n_, h);
+      const Vec3f8 sine = cross(n_, h);
+      const Float8 t = alpha2_ * cos_h * cos_h + dot(sine, sine);
+      const Float8 common = ggx_g1(cos_o_, alpha2_) * alpha2_ * kInvPi / (4 * cos_o_) / (t * t);
+      const Float8 cos2_i = cos_i * cos_i;
+      const Float8 g1 = 2 / (1 + sqrt(1 + alpha2_ * max(zero, 1 - cos2_i) / cos2_i));
+      const Float8 c = abs(dot(wi, h)), g = sqrt(max(zero, eta_ * eta_ - 1 + c * c));
+      const Float8 a = (g - c) / (g + c), b = (c * (g + c) - 1) / (c * (g - c) + 1);
+      const Float8 fresnel = select(g > zero, 0.5f * a * a * (1 + b * b), one);
+      const Mask8 counts = dot(ns_, wi) > zero && cos_h > zero;
+      specular = select(counts, fresnel * common * g1, zero);
+      pdf += select(counts, specular_share() * common, zero);
+    }
+    diffuse = select(is_above, diffuse, zero), specular = select(is_above, specular, zero);
+    return {{base_.x * diffuse + specular, base_.y * diffuse + specular, base_.z * diffuse + specular},
+            select(is_above, pdf, zero)};
   }
 
   /// A direction of the mixture. u0 chooses the lobe.
@@ -170,6 +209,25 @@ class PrincipledV1 {
     value *= cos_i * kInvPi;
     if (bumped_) value *= cycles::bump_terminator(ns_, n_, wi);
     return value * base_;
+  }
+
+  // diffuse() over base_ for directions above n_.
+  Float8 diffuse_eight(const Vec3f8& wi, Float8 cos_i) const {
+    const Float8 zero = 0, one = 1;
+    const Float8 m = min(one, max(zero, 1 - cos_i)), wl = (m * m) * (m * m) * m;
+    const float wv = schlick_weight(cos_o_);
+    Float8 value = 0;
+    if (lobe_ == DiffuseLobe::kWhole) value = (1 - 0.5f * wv) * (1 - 0.5f * wl);
+    if (lobe_ == DiffuseLobe::kExit) value = 1 - 0.5f * wl;
+    if (lobe_ != DiffuseLobe::kExit) {
+      const Float8 retro = roughness_ * (dot(wo_, wi) + 1);
+      value += retro * (wl + wv + wl * wv * (retro - 1));
+    }
+    value *= cos_i * kInvPi;
+    if (!bumped_) return value;
+    const Float8 below = cos_i * dot(ns_, n_), g = dot(ns_, wi) / below;
+    const Float8 softened = select(g >= one, one, select(g < zero, zero, g * (1 + g * (1 - g))));
+    return value * select(below != zero, softened, zero);
   }
 
   // The highlight that was sampled keeps directions below the smooth surface (and below n) as long as they

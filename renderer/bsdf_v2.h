@@ -55,6 +55,17 @@ class PrincipledV2 {
     return result;
   }
 
+  /// eval() of eight directions, one after the other.
+  BsdfValue8 eval(const Vec3f8& wi) const {
+    BsdfValue8 result{};
+    for (int k = 0; k < 8; ++k) {
+      const BsdfValue one = eval(Vec3f{wi.x[k], wi.y[k], wi.z[k]});
+      result.value.x[k] = one.value.x, result.value.y[k] = one.value.y, result.value.z[k] = one.value.z;
+      result.pdf[k] = one.pdf;
+    }
+    return result;
+  }
+
   /// A direction of the mixture. u0 chooses the lobe.
   BsdfSample sample(float u0, float u1, float u2) const {
     BsdfSample result;

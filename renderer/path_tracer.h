@@ -12,8 +12,9 @@
 
 namespace ohb {
 
-constexpr int kCandidates = 4;               // directions of an environment that compete for a shadow ray
-constexpr int kWalks = 4;                    // under the surface that the camera sees
+constexpr int kCandidates = 8;         // directions of an environment that compete for a shadow ray
+constexpr float kCandidatesWorth = 3;  // in directions of the BSDF's own, measured; any value is unbiased
+constexpr int kWalks = 4;              // under the surface that the camera sees
 constexpr float kLatticeStep = 0.61803399f;  // golden section: a lattice of any size is even
 constexpr int kRouletteFromBounce = 2;       // Cycles: the continuation test starts at the third surface
 
@@ -54,37 +55,56 @@ inline Vec2f lattice_point(Vec2f u, int k, int n) {
   return {fraction_of(u.x + kf / static_cast<float>(n)), fraction_of(u.y + kf * kLatticeStep)};
 }
 
+/// Numbers for one question to the lights. The candidates lie in order along the first coordinate of the
+/// lights' own numbers: choosing one and shifting them all in that coordinate place the shadow ray together,
+/// so these two are stratified as a pair.
+struct LightNumbers {
+  Vec2f along;   // choice, shift
+  float across;  // shift in the other coordinate
+
+  /// Number k of n that spread.
+  LightNumbers of(int k, int n) const {
+    constexpr float kThirdStep = 0.7548777f;  // of the plastic number: unlike kLatticeStep
+    return {lattice_point(along, k, n), fraction_of(across + static_cast<float>(k) * kThirdStep)};
+  }
+};
+
 /// One shadow ray to one of several directions that the environment suggests, chosen by what each would
 /// bring if it is not shadowed (resampled importance sampling, Talbot et al. 2005, equation 6). The
-/// candidates are a lattice shifted by u, so that they spread over the light.
+/// candidates are a lattice, so that they spread over the light.
 template <bool kCutouts, class Bsdf>
 void sample_environment(const PathContext& c, const LightPool& pool, const SurfacePoint& point,
-                        const Bsdf& bsdf, Vec3f throughput, Vec2f u, float u_choice, Tile& tile,
+                        const Bsdf& bsdf, Vec3f throughput, const LightNumbers& u, Tile& tile,
                         Vec3f& radiance) {
-  float sum = 0;
-  Vec3f chosen_wi, chosen_value;
-  float chosen_weight = 0;
-  for (int k = 0; k < kCandidates; ++k) {
-    const LightCandidate& candidate = pool.at(lattice_point(u, k, kCandidates));
-    if (!(candidate.pdf > 0)) continue;
-    const BsdfValue f = bsdf.eval(candidate.wi);
-    if (!(max_component(f.value) > 0)) continue;
-    const Vec3f value =
-        throughput * f.value * candidate.radiance * (power_heuristic(candidate.pdf, f.pdf) / candidate.pdf);
-    const float weight = mean(value);
-    sum += weight;
-    // The choice stays uniform after each candidate: one number serves all.
-    const float share = weight / sum;
-    if (u_choice < share) {
-      u_choice /= share;
-      chosen_wi = candidate.wi;
-      chosen_value = value;
-      chosen_weight = weight;
-    } else {
-      u_choice = (u_choice - share) / (1 - share);
-    }
-  }
+  static_assert(kCandidates == 8);
+  const Vec2f shift{u.along.y / kCandidates, u.across};
+  const LightCandidate* candidates[kCandidates];
+  for (int k = 0; k < kCandidates; ++k) candidates[k] = &pool.at(lattice_point(shift, k, kCandidates));
+  const auto gather = [&](auto member) { return Float8([&](auto k) { return member(*candidates[k]); }); };
+  const Vec3f8 wi{gather([](const LightCandidate& l) { return l.wi.x; }),
+                  gather([](const LightCandidate& l) { return l.wi.y; }),
+                  gather([](const LightCandidate& l) { return l.wi.z; })};
+  const Vec3f8 light{gather([](const LightCandidate& l) { return l.radiance.x; }),
+                     gather([](const LightCandidate& l) { return l.radiance.y; }),
+                     gather([](const LightCandidate& l) { return l.radiance.z; })};
+  const Float8 pdf = gather([](const LightCandidate& l) { return l.pdf; });
+  const BsdfValue8 f = bsdf.eval(wi);
+  // The power heuristic over the pdf.
+  const Float8 ratio = f.pdf / (kCandidatesWorth * pdf), scale = 1 / (pdf * (1 + ratio * ratio));
+  const Vec3f8 value{throughput.x * f.value.x * light.x * scale, throughput.y * f.value.y * light.y * scale,
+                     throughput.z * f.value.z * light.z * scale};
+  const Float8 zero = 0;
+  const Float8 weight = select(pdf > zero, (value.x + value.y + value.z) * (1.0f / 3), zero);
+  float sums[kCandidates], sum = 0;
+  for (int k = 0; k < kCandidates; ++k) sums[k] = sum += weight[k];
+  if (!std::isfinite(sum)) ++tile.nonfinite;
+  if (!(sum > 0) || !std::isfinite(sum)) return;
+  int chosen = 0;
+  while (chosen + 1 < kCandidates && !(u.along.x * sum < sums[chosen])) ++chosen;
+  const float chosen_weight = weight[chosen];
   if (!(chosen_weight > 0)) return;
+  const Vec3f chosen_wi = candidates[chosen]->wi;
+  const Vec3f chosen_value{value.x[chosen], value.y[chosen], value.z[chosen]};
   const Ray ray{ray_origin(c.scene, point.position, point.ng, chosen_wi), chosen_wi};
   const float visible =
       transmittance<kCutouts>(c.scene, ray, std::numeric_limits<float>::infinity(), tile.rays);
@@ -94,10 +114,10 @@ void sample_environment(const PathContext& c, const LightPool& pool, const Surfa
 
 template <bool kCutouts, class Bsdf>
 void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, Vec3f throughput,
-                   Vec2f u, float u_choice, Tile& tile, std::vector<Vec3f>& radiance) {
+                   const LightNumbers& u, Tile& tile, std::vector<Vec3f>& radiance) {
   // One set of numbers for all lights: each light's image is unbiased by itself.
   for (size_t l = 0; l < c.lights.environments.size(); ++l)
-    sample_environment<kCutouts>(c, tile.pools[l], point, bsdf, throughput, u, u_choice, tile, radiance[l]);
+    sample_environment<kCutouts>(c, tile.pools[l], point, bsdf, throughput, u, tile, radiance[l]);
   for (size_t i = 0; i < c.lights.points.size(); ++i) {
     const PointLight& light = c.lights.points[i];
     const Vec3f to_light = turn_about_y(light.position_cm, -c.turn_rad) - point.position;
@@ -120,7 +140,8 @@ inline void add_environments(const PathContext& c, Vec3f direction, float bsdf_p
   for (size_t l = 0; l < c.lights.environments.size(); ++l) {
     const EnvironmentLight& light = c.lights.environments[l];
     const EnvironmentValue value = light.at(place);
-    add(throughput * value.radiance * power_heuristic(bsdf_pdf, value.pdf), radiance[l], tile);
+    add(throughput * value.radiance * power_heuristic(bsdf_pdf, kCandidatesWorth * value.pdf), radiance[l],
+        tile);
   }
 }
 
@@ -147,27 +168,29 @@ inline bool bounce_off(const PathContext& c, const SurfacePoint& point, const Bs
 
 /// Where a walk goes under the surface, and where it goes on from its exit.
 struct WalkNumbers {
-  Vec2f entry, light, direction;
+  Vec2f entry, direction;
+  LightNumbers light;
   explicit WalkNumbers(PathSampler& sampler)
-      : entry(sampler.next_pair()), light(sampler.next_pair()), direction(sampler.next_pair()) {}
+      : entry(sampler.next_pair()),
+        direction(sampler.next_pair()),
+        light{sampler.next_pair(), sampler.next_pair().x} {}
 };
 
 /// Under the surface and out again, where the lights are asked; false if the path ends in between. Walk k of
 /// n shares its numbers with the others: a lattice, so that they spread.
 template <bool kCutouts, class Bsdf>
 bool walk(const PathContext& c, const SurfacePoint& entry, const Bsdf& entry_bsdf, uint32_t triangle,
-          const WalkNumbers& numbers, int k, int n, Random& random, Tile& tile, std::vector<Vec3f>& radiance,
-          PathState& state) {
+          const WalkMedium& medium, const WalkNumbers& numbers, int k, int n, Random& random, Tile& tile,
+          std::vector<Vec3f>& radiance, PathState& state) {
   const Vec3f inwards = entry_bsdf.entry_direction(lattice_point(numbers.entry, k, n));
   WalkExit exit;
-  if (!walk_under_surface<kCutouts>(c.scene, entry, triangle, entry_bsdf.entry_axis(), inwards, random,
-                                    tile.rays, exit))
+  if (!walk_under_surface<kCutouts>(c.scene, entry, triangle, medium, entry_bsdf.entry_axis(), inwards,
+                                    random, tile.rays, exit))
     return false;
   state.throughput *= entry_bsdf.entry_weight() * exit.weight;
   const SurfacePoint point = surface_at(c.scene, exit.hit, exit.direction);
   const Bsdf bsdf = exit_bsdf_at<Bsdf>(point, exit.direction);
-  sample_lights<kCutouts>(c, point, bsdf, state.throughput, lattice_point(numbers.light, k, n), random.next(),
-                          tile, radiance);
+  sample_lights<kCutouts>(c, point, bsdf, state.throughput, numbers.light.of(k, n), tile, radiance);
   const Vec2f u = lattice_point(numbers.direction, k, n);
   return bounce_off(c, point, bsdf.sample(0, u.x, u.y), state);
 }
@@ -204,27 +227,26 @@ bool advance(const PathContext& c, PathState& state, Walked& walked, PathSampler
     under = state.diffuse_ancestor ? UnderSurface::kDiffuse : UnderSurface::kWalk;
   const Bsdf bsdf = bsdf_at<Bsdf>(point, wo, state.bounce == 0, under);
   if (bsdf.is_black()) return false;
-  const Vec2f u_light = sampler.next_pair();
-  sample_lights<kCutouts>(c, point, bsdf, state.throughput, u_light, sampler.random.next(), tile, radiance);
-  const float u_lobe = sampler.next_pair().x;
-  const Vec2f u = sampler.next_pair();
-  const BsdfSample next = bsdf.sample(u_lobe, u.x, u.y);
+  const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
+  sample_lights<kCutouts>(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, tile, radiance);
+  const BsdfSample next = bsdf.sample(across_and_lobe.y, u.x, u.y);
   if (under == UnderSurface::kWalk && state.bounce == 0) {
+    const WalkMedium medium(point.texel);
     const WalkNumbers numbers(sampler);
     for (int k = 0; k < kWalks; ++k) {
       PathState& one = walked.states[walked.count];
       one = state;
       one.throughput *= 1.0f / kWalks;
-      walked.count += walk<kCutouts>(c, point, bsdf, hit.triangle, numbers, k, kWalks, sampler.random, tile,
-                                     radiance, one);
+      walked.count += walk<kCutouts>(c, point, bsdf, hit.triangle, medium, numbers, k, kWalks, sampler.random,
+                                     tile, radiance, one);
     }
     return !next.enters && bounce_off(c, point, next, state);
   }
   if (next.enters) {
     // The walk's medium has the colour: the lobe's weight is only its share.
     state.throughput *= 1 / next.pdf;
-    return walk<kCutouts>(c, point, bsdf, hit.triangle, WalkNumbers(sampler), 0, 1, sampler.random, tile,
-                          radiance, state);
+    return walk<kCutouts>(c, point, bsdf, hit.triangle, WalkMedium(point.texel), WalkNumbers(sampler), 0, 1,
+                          sampler.random, tile, radiance, state);
   }
   return bounce_off(c, point, next, state);
 }

@@ -27,18 +27,23 @@ struct DwivediLobe {
   float pdf(float mu) const { return 1 / (2 * kPi * log_ratio * (nu - mu)); }
 };
 
+/// What all walks from one entry share.
+struct WalkMedium {
+  SubsurfaceMedium medium;
+  DwivediLobe lobes[3];  // of the channels
+  explicit WalkMedium(const SurfaceTexel& texel)
+      : medium(subsurface_medium(texel.albedo, subsurface_radius_cm(texel.sss))),
+        lobes{DwivediLobe(medium.relaxation_mfp.x), DwivediLobe(medium.relaxation_mfp.y),
+              DwivediLobe(medium.relaxation_mfp.z)} {}
+};
+
 /// One walk's state and choices. Each segment is drawn by one of three strategies (isotropic; towards the
 /// entry; towards the far side of a sheet) with the mean free path of one of three channels; the weight is
 /// the balance heuristic over all nine, in direction and distance together.
 class RandomWalk {
  public:
-  RandomWalk(const SubsurfaceMedium& medium, Vec3f entry, Vec3f n)
-      : medium_(medium),
-        entry_(entry),
-        n_(n),
-        lobes_{DwivediLobe(medium.relaxation_mfp.x), DwivediLobe(medium.relaxation_mfp.y),
-               DwivediLobe(medium.relaxation_mfp.z)},
-        weight_(medium.entry_weight) {}
+  RandomWalk(const WalkMedium& under, Vec3f entry, Vec3f n)
+      : medium_(under.medium), lobes_(under.lobes), entry_(entry), n_(n), weight_(medium_.entry_weight) {}
 
   const Vec3f& weight() const { return weight_; }
   bool is_over() const { return !(max_component(weight_) > kLeastWeight); }
@@ -121,8 +126,8 @@ class RandomWalk {
   }
 
   const SubsurfaceMedium& medium_;
+  const DwivediLobe* lobes_;
   Vec3f entry_, n_;
-  DwivediLobe lobes_[3];
   Vec3f weight_, share_{};
   float thickness_cm_ = std::numeric_limits<float>::infinity();
   float backward_ = 0, mu_ = 0;
@@ -156,13 +161,12 @@ bool intersect_solid(const Scene& scene, const Ray& ray, float t_far, uint32_t s
 /// entry, absorbed, or not out after cycles::kMaxWalkSegments, which loses energy that Cycles loses too.
 /// n: the axis that walks are guided along.
 template <bool kCutouts>
-bool walk_under_surface(const Scene& scene, const SurfacePoint& entry, uint32_t triangle, Vec3f n,
-                        Vec3f entry_direction, Random& random, RayCounts& counts, WalkExit& exit) {
+bool walk_under_surface(const Scene& scene, const SurfacePoint& entry, uint32_t triangle,
+                        const WalkMedium& medium, Vec3f n, Vec3f entry_direction, Random& random,
+                        RayCounts& counts, WalkExit& exit) {
   ++counts.walks;
   Ray ray{entry.position, entry_direction};
   if (!(dot(entry.ng, ray.direction) < 0)) return false;
-  const SubsurfaceMedium medium =
-      subsurface_medium(entry.texel.albedo, subsurface_radius_cm(entry.texel.sss));
   RandomWalk walk(medium, entry.position, n);
   if (walk.is_over()) return false;
   constexpr uint32_t kNone = 0xffffffffu;

@@ -72,12 +72,12 @@ inline void sobol_pair(uint32_t index, uint32_t& x, uint32_t& y) {
   y = reverse_bits(index);
 }
 
-/// The numbers of one path. The leading pairs (pixel position, and light, lobe and direction at the first
-/// two surfaces) are Owen-scrambled Sobol points, shuffled pair by pair (Burley 2020, padding): the samples
-/// of a pixel are stratified there. Everything after them is independent.
+/// The numbers of one path. The leading pairs (pixel position, then lights, lobe and direction at the first
+/// two surfaces, or at the first and under it) are Owen-scrambled Sobol points, shuffled pair by pair (Burley
+/// 2020, padding): the samples of a pixel are stratified there. Everything after them is independent.
 class PathSampler {
  public:
-  static constexpr int kStratifiedPairs = 7;
+  static constexpr int kStratifiedPairs = 8;
 
   PathSampler(uint64_t seed, uint64_t pixel, uint32_t sample)
       : random(seed, pixel, sample),
