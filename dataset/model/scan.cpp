@@ -95,12 +95,14 @@ Scan read_scan(const fs::path& file) {
   check_faces(scan);
   check_names(scan);
   check_numbers(scan);
+  split_udim_tiles(scan);
   return scan;
 }
 
 ScanPicture find_picture(const fs::path& referrer, const std::string& place, const std::string& name) {
   std::string portable = name;
   std::replace(portable.begin(), portable.end(), '\\', '/');
+  portable = first_udim_tile(referrer.parent_path(), portable);
   const fs::path file = (referrer.parent_path() / portable).lexically_normal();
   std::error_code error;
   if (is_empty_path(name) || !fs::is_regular_file(file, error))

@@ -31,6 +31,15 @@ std::map<std::string, ScanMaterial> read_mtl(const std::filesystem::path& file,
 ScanPicture find_picture(const std::filesystem::path& referrer, const std::string& place,
                          const std::string& name);
 
+/// `name` with "<UDIM>" replaced by the number of the first tile that is in the folder (1001 if none is).
+std::string first_udim_tile(const std::filesystem::path& folder, const std::string& name);
+
+/// Makes each tile a material of its own, "<material>.<tile>", with its UVs in [0,1]: for materials with a
+/// picture whose name holds a tile's number (1001 to 1999) and beside which there is one of another tile.
+/// Faces belong to the tile of their middle. Pictures without a number repeat on every tile. Throws
+/// InputError for a tile whose picture is missing, and for faces outside the tiles.
+void split_udim_tiles(Scan& scan);
+
 /// An embedded picture, checked to be an image. `name` makes the key unique within `scan_file`.
 ScanPicture embed_picture(const std::filesystem::path& scan_file, const std::string& name, std::string bytes);
 
