@@ -42,7 +42,7 @@ struct SetReport {
   std::vector<MapSeams> seams;
   // From a source: what the texels that show a face found, and how far away along their normals.
   uint64_t hit_texels = 0, nearest_texels = 0, missed_texels = 0, back_face_texels = 0;
-  uint64_t inward_normal_texels = 0;  // whose normal points into the scan
+  uint64_t inward_normal_texels = 0;                 // whose normal points into the scan
   double mean_distance_cm = 0, max_distance_cm = 0;  // of the absolute distances
 };
 

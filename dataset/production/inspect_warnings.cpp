@@ -68,9 +68,9 @@ void warn_about_uv(const MaterialReport& m, Warnings& warnings) {
   warnings.add(uv.faces_outside > 0,
                who + faces(uv.faces_outside) + " lie outside the unit UV square" +
                    (uv.tiles.size() > 1 ? " (" + std::to_string(uv.tiles.size()) + " UDIM tiles)" : ""),
-               uv.tiles.size() > 1
-                   ? "pictures repeat there; if the scan has one picture a tile, pack them into one"
-                   : "pictures repeat there; move the UVs into the unit square");
+               uv.tiles.size() > 1 ? "pictures repeat there; if the scan has one picture a tile, name them "
+                                     "by it (picture.1001.png, ...)"
+                                   : "pictures repeat there; move the UVs into the unit square");
   warnings.add(uv.overlap_share > kOverlapShare,
                who + percent(uv.overlap_share) + " of the covered UV area is used by several faces",
                "faces that share texels share their maps; unwrap them apart if they should differ");
