@@ -50,6 +50,9 @@ struct BsdfSample {
   float pdf = 0;            // of the mixture; 0: no direction
   bool enters = false;      // the path goes under the surface: no direction, `pdf` is the chance of it
   bool is_diffuse = false;  // of the lobe that was chosen
+  /// eval() refuses the highlight in this direction: only sampling brings it, with the weight of the power
+  /// heuristic between single directions that Cycles gives it.
+  bool is_hidden_highlight = false;
 };
 
 struct BsdfValue {
@@ -62,6 +65,8 @@ struct BsdfValue8 {
   Vec3f8 value;
   Float8 pdf = 0;
 };
+
+constexpr float kRoughAlpha2 = 0.0081f;  // roughness 0.3
 
 class PrincipledV1 {
  public:
@@ -159,9 +164,12 @@ class PrincipledV1 {
     const BsdfValue value = specular_chosen ? eval_sampled_specular(result.wi) : eval(result.wi);
     result.value = value.value;
     result.pdf = value.pdf;
+    result.is_hidden_highlight = specular_chosen && !(dot(n_, result.wi) > 0 && dot(ns_, result.wi) > 0);
     return result;
   }
 
+  /// Wide enough lobes to be left to the lights' own directions.
+  bool is_rough() const { return !has_specular_ || alpha2_ >= kRoughAlpha2; }
   bool is_black() const { return !has_diffuse_ && !has_specular_; }
 
   /// Factor on what enters the medium, which has the colour.

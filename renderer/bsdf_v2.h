@@ -100,8 +100,13 @@ class PrincipledV2 {
     }
     result.value = value.value;
     result.pdf = value.pdf;
+    result.is_hidden_highlight =
+        !result.is_diffuse && !(dot(n_valid_, result.wi) > 0 && dot(ns_, result.wi) >= 0);
     return result;
   }
+
+  /// As in v1.
+  bool is_rough() const { return !(specular_share_ > 0) || alpha2_ >= kRoughAlpha2; }
 
   bool is_black() const { return !(specular_share_ + diffuse_share_ + medium_share_ + entry_share_ > 0); }
 

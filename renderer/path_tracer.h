@@ -33,6 +33,7 @@ struct PathContext {
   double turn_rad;
   Vec3f turn_x, turn_z;  // the world's X and Z axes in the subject's frame
   int max_bounces;
+  bool ends_at_rough_surfaces;
   bool subsurface;
 
   Vec3f to_world(Vec3f v) const { return {dot(v, turn_x), v.y, dot(v, turn_z)}; }
@@ -74,7 +75,7 @@ struct LightNumbers {
 /// candidates are a lattice, so that they spread over the light.
 template <bool kCutouts, class Bsdf>
 void sample_environment(const PathContext& c, const LightPool& pool, const SurfacePoint& point,
-                        const Bsdf& bsdf, Vec3f throughput, const LightNumbers& u, Tile& tile,
+                        const Bsdf& bsdf, Vec3f throughput, const LightNumbers& u, float worth, Tile& tile,
                         Vec3f& radiance) {
   static_assert(kCandidates == 8);
   const Vec2f shift{u.along.y / kCandidates, u.across};
@@ -90,7 +91,7 @@ void sample_environment(const PathContext& c, const LightPool& pool, const Surfa
   const Float8 pdf = gather([](const LightCandidate& l) { return l.pdf; });
   const BsdfValue8 f = bsdf.eval(wi);
   // The power heuristic over the pdf.
-  const Float8 ratio = f.pdf / (kCandidatesWorth * pdf), scale = 1 / (pdf * (1 + ratio * ratio));
+  const Float8 ratio = f.pdf / (worth * pdf), scale = 1 / (pdf * (1 + ratio * ratio));
   const Vec3f8 value{throughput.x * f.value.x * light.x * scale, throughput.y * f.value.y * light.y * scale,
                      throughput.z * f.value.z * light.z * scale};
   const Float8 zero = 0;
@@ -112,12 +113,13 @@ void sample_environment(const PathContext& c, const LightPool& pool, const Surfa
     add(chosen_value * (visible * sum / (chosen_weight * static_cast<float>(kCandidates))), radiance, tile);
 }
 
+/// `worth` of an environment's directions against the one that the BSDF will draw; infinite: it draws none.
 template <bool kCutouts, class Bsdf>
 void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, Vec3f throughput,
-                   const LightNumbers& u, Tile& tile, std::vector<Vec3f>& radiance) {
+                   const LightNumbers& u, float worth, Tile& tile, std::vector<Vec3f>& radiance) {
   // One set of numbers for all lights: each light's image is unbiased by itself.
   for (size_t l = 0; l < c.lights.environments.size(); ++l)
-    sample_environment<kCutouts>(c, tile.pools[l], point, bsdf, throughput, u, tile, radiance[l]);
+    sample_environment<kCutouts>(c, tile.pools[l], point, bsdf, throughput, u, worth, tile, radiance[l]);
   for (size_t i = 0; i < c.lights.points.size(); ++i) {
     const PointLight& light = c.lights.points[i];
     const Vec3f to_light = turn_about_y(light.position_cm, -c.turn_rad) - point.position;
@@ -134,14 +136,13 @@ void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& 
   }
 }
 
-inline void add_environments(const PathContext& c, Vec3f direction, float bsdf_pdf, Vec3f throughput,
-                             Tile& tile, std::vector<Vec3f>& radiance) {
+inline void add_environments(const PathContext& c, Vec3f direction, float bsdf_pdf, float worth,
+                             Vec3f throughput, Tile& tile, std::vector<Vec3f>& radiance) {
   const MapPlace place = map_place(c.to_world(direction));
   for (size_t l = 0; l < c.lights.environments.size(); ++l) {
     const EnvironmentLight& light = c.lights.environments[l];
     const EnvironmentValue value = light.at(place);
-    add(throughput * value.radiance * power_heuristic(bsdf_pdf, kCandidatesWorth * value.pdf), radiance[l],
-        tile);
+    add(throughput * value.radiance * power_heuristic(bsdf_pdf, worth * value.pdf), radiance[l], tile);
   }
 }
 
@@ -150,6 +151,7 @@ struct PathState {
   Ray ray;
   Vec3f throughput{1, 1, 1};
   float bsdf_pdf = 0;
+  float lights_worth = 0;  // of the environments' directions against this one
   int bounce = 0;
   bool diffuse_ancestor = false;  // walks are made before the first diffuse bounce only
 };
@@ -160,10 +162,20 @@ inline bool bounce_off(const PathContext& c, const SurfacePoint& point, const Bs
   if (!(next.pdf > 0) || !(max_component(next.value) > 0)) return false;
   state.throughput *= next.value / next.pdf;
   state.bsdf_pdf = next.pdf;
+  state.lights_worth = next.is_hidden_highlight ? 1 : kCandidatesWorth;
   state.diffuse_ancestor |= next.is_diffuse;
   ++state.bounce;
   state.ray = {ray_origin(c.scene, point.position, point.ng, next.wi), next.wi};
   return true;
+}
+
+/// Whether a path ends at this surface, and leaves all to the lights' own directions.
+template <class Bsdf>
+bool ends_at(const PathContext& c, const PathState& state, const Bsdf& bsdf) {
+  return c.ends_at_rough_surfaces && state.bounce == c.max_bounces && bsdf.is_rough();
+}
+inline float worth_at(bool ends) {
+  return ends ? std::numeric_limits<float>::infinity() : kCandidatesWorth;
 }
 
 /// Where a walk goes under the surface, and where it goes on from its exit.
@@ -190,7 +202,10 @@ bool walk(const PathContext& c, const SurfacePoint& entry, const Bsdf& entry_bsd
   state.throughput *= entry_bsdf.entry_weight() * exit.weight;
   const SurfacePoint point = surface_at(c.scene, exit.hit, exit.direction);
   const Bsdf bsdf = exit_bsdf_at<Bsdf>(point, exit.direction);
-  sample_lights<kCutouts>(c, point, bsdf, state.throughput, numbers.light.of(k, n), tile, radiance);
+  const bool ends = ends_at(c, state, bsdf);
+  sample_lights<kCutouts>(c, point, bsdf, state.throughput, numbers.light.of(k, n), worth_at(ends), tile,
+                          radiance);
+  if (ends) return false;
   const Vec2f u = lattice_point(numbers.direction, k, n);
   return bounce_off(c, point, bsdf.sample(0, u.x, u.y), state);
 }
@@ -211,7 +226,8 @@ bool advance(const PathContext& c, PathState& state, Walked& walked, PathSampler
   if (!intersect<kCutouts>(c.scene, state.ray, sampler.random, tile.rays, hit)) {
     // The camera sees no background: it is transparent.
     if (state.bounce > 0)
-      add_environments(c, state.ray.direction, state.bsdf_pdf, state.throughput, tile, radiance);
+      add_environments(c, state.ray.direction, state.bsdf_pdf, state.lights_worth, state.throughput, tile,
+                       radiance);
     return false;
   }
   if (state.bounce > c.max_bounces) return false;
@@ -228,7 +244,10 @@ bool advance(const PathContext& c, PathState& state, Walked& walked, PathSampler
   const Bsdf bsdf = bsdf_at<Bsdf>(point, wo, state.bounce == 0, under);
   if (bsdf.is_black()) return false;
   const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
-  sample_lights<kCutouts>(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, tile, radiance);
+  const bool ends = ends_at(c, state, bsdf);
+  sample_lights<kCutouts>(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, worth_at(ends), tile,
+                          radiance);
+  if (ends && under != UnderSurface::kWalk) return false;
   const BsdfSample next = bsdf.sample(across_and_lobe.y, u.x, u.y);
   if (under == UnderSurface::kWalk && state.bounce == 0) {
     const WalkMedium medium(point.texel);
@@ -240,7 +259,7 @@ bool advance(const PathContext& c, PathState& state, Walked& walked, PathSampler
       walked.count += walk<kCutouts>(c, point, bsdf, hit.triangle, medium, numbers, k, kWalks, sampler.random,
                                      tile, radiance, one);
     }
-    return !next.enters && bounce_off(c, point, next, state);
+    return !ends && !next.enters && bounce_off(c, point, next, state);
   }
   if (next.enters) {
     // The walk's medium has the colour: the lobe's weight is only its share.
@@ -248,7 +267,7 @@ bool advance(const PathContext& c, PathState& state, Walked& walked, PathSampler
     return walk<kCutouts>(c, point, bsdf, hit.triangle, WalkMedium(point.texel), WalkNumbers(sampler), 0, 1,
                           sampler.random, tile, radiance, state);
   }
-  return bounce_off(c, point, next, state);
+  return !ends && bounce_off(c, point, next, state);
 }
 
 template <bool kCutouts, class Bsdf>

@@ -263,7 +263,10 @@ class Choice {
 
 RenderSettings PreparedScene::settings_for(RenderSettings settings) const {
   settings.subsurface = settings.subsurface && needs.subsurface;
-  settings.max_bounces = std::min(settings.max_bounces, needs.max_bounces);
+  if (needs.max_bounces < settings.max_bounces) {
+    settings.max_bounces = needs.max_bounces;
+    settings.ends_at_rough_surfaces = true;
+  }
   return settings;
 }
 

@@ -36,6 +36,9 @@ struct RenderSettings {
   int spp = 256;         // paths a pixel, each serving every light
   uint64_t seed = 1;     // of this image; equal seeds give equal bits
   int max_bounces = 32;  // indirect generations; the last ray still sees the environments
+  /// The last surface sends no such ray where it is rough: what it reflects is left to the lights' own
+  /// directions. Unbiased but for highlights from below the smooth surface (bsdf.h); for previews and kAuto.
+  bool ends_at_rough_surfaces = false;
   /// spp becomes the mean over the pixels that see something, spent where the noise is: least mean squared
   /// error for the work. Unbiased: an eighth of it goes into pilot images that are not used otherwise. From
   /// 32 on.

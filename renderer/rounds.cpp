@@ -141,6 +141,7 @@ Picture::Picture(const Scene& scene, const LightSet& lights, const Camera& camer
               turn_about_y({1, 0, 0}, -turn_rad),
               turn_about_y({0, 0, 1}, -turn_rad),
               render_settings.max_bounces,
+              render_settings.ends_at_rough_surfaces,
               render_settings.subsurface},
       view(camera, turn_rad, render_settings.size_px),
       settings(render_settings),
