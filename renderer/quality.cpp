@@ -162,7 +162,10 @@ class Choice {
   }
   ViewPilots pilots(const Needs& needs, int spp) const {
     const PreparedScene prepared = variants_.of(needs);
-    return pilots(*prepared.lit, *prepared.lights, prepared.settings_for(settings_), spp);
+    RenderSettings settings = prepared.settings_for(settings_);
+    // The same rays where nothing is left out: pairs differ by that alone, not by their noise.
+    settings.ends_at_rough_surfaces = false;
+    return pilots(*prepared.lit, *prepared.lights, settings, spp);
   }
 
   const ViewPilots& reference(int spp) {
