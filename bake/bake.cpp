@@ -150,11 +150,15 @@ void write_extra_map(const std::filesystem::path& file, const std::string& name,
 }
 
 /// All files of a set's folder; gives what model.xml says of it.
-TextureSetEntry write_set(SetBake& set, const std::filesystem::path& folder, TextureSetEntry entry) {
+TextureSetEntry write_set(SetBake& set, const std::filesystem::path& folder, TextureSetEntry entry,
+                          bool wants_mips) {
   const std::filesystem::path maps = folder / "maps" / entry.folder;
   std::array<bool, kMapKinds.size()> is_named{};
   const auto write = [&](const MapKind& kind, Image image) {
-    is_named[&kind - kMapKinds.data()] = write_texture_map(folder, kind, std::move(image), entry);
+    std::vector<Image> mips;
+    if (wants_mips && !image.values.empty()) mips = set.mips_of(image, kind);
+    is_named[&kind - kMapKinds.data()] =
+        write_texture_map(folder, kind, std::move(image), entry, std::move(mips));
   };
   make_folders(maps);
   Jobs jobs = map_jobs(set, write);
@@ -195,8 +199,9 @@ BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const Materi
     SetReport& set_report = report.sets[i];
     set_report.folder = folders[i];
     SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, frames, source.get(), set_report);
-    entries.push_back(
-        write_set(set, folder, {mesh.model.sets[i].name, folders[i], set.width_px(), set.height_px(), {}}));
+    entries.push_back(write_set(set, folder,
+                                {mesh.model.sets[i].name, folders[i], set.width_px(), set.height_px(), {}},
+                                options.wants_mips));
     progress.add();
   }
   write_model_mesh(folder, mesh.model, entries);

@@ -12,13 +12,19 @@ double share(double part, double whole) {
 }
 
 nlohmann::ordered_json json_of(const MapSeams& seams) {
-  nlohmann::ordered_json levels = nlohmann::ordered_json::array();
-  for (const SeamError& error : seams.levels)
-    levels.push_back({{"mean", error.mean},
-                      {"percentile_99", error.percentile_99},
-                      {"max", error.max},
-                      {"share_above_limit", error.share_above}});
-  return {{"unit", seams.unit}, {"most_changed_inside", seams.most_changed}, {"levels", levels}};
+  const auto list = [](const std::vector<SeamError>& errors) {
+    nlohmann::ordered_json levels = nlohmann::ordered_json::array();
+    for (const SeamError& error : errors)
+      levels.push_back({{"mean", error.mean},
+                        {"percentile_99", error.percentile_99},
+                        {"max", error.max},
+                        {"share_above_limit", error.share_above}});
+    return levels;
+  };
+  nlohmann::ordered_json json{
+      {"unit", seams.unit}, {"most_changed_inside", seams.most_changed}, {"levels", list(seams.levels)}};
+  if (!seams.shipped_levels.empty()) json["shipped_levels"] = list(seams.shipped_levels);
+  return json;
 }
 
 }  // namespace

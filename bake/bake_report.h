@@ -15,6 +15,8 @@ namespace ohb {
 struct MapSeams {
   std::string map, unit;  // "1/255" of sRGB or of the stored value, or "degrees"
   std::vector<SeamError> levels;
+  /// The same of the mip levels that are shipped with the map, from level 1 on; empty without.
+  std::vector<SeamError> shipped_levels;
   double most_changed = 0;  // of a texel inside a triangle, to make them agree
 };
 

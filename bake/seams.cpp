@@ -164,11 +164,12 @@ SeamFrame frame_at(const SeamSide& side, float along) {
   return {t, side.sign * cross(n, t), n};
 }
 
-std::vector<SeamError> seam_errors(const Image& map, const std::vector<Seam>& seams, MapValues values) {
+std::vector<SeamError> seam_errors(const Image& map, const std::vector<Seam>& seams, MapValues values,
+                                   int levels) {
   std::vector<SeamError> errors;
   std::vector<float> differences(seams.size() * kSeamPoints);
   Image halved;
-  for (int level = 0; level < kSeamLevels; ++level) {
+  for (int level = 0; level < levels; ++level) {
     if (level > 0) halved = half_of(level == 1 ? map : halved);
     const Image& image = level == 0 ? map : halved;
     tbb::parallel_for(size_t{0}, seams.size(), [&](size_t s) {

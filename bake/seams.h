@@ -48,8 +48,10 @@ struct SeamError {
   double share_above = 0;  // above 1/255, or 1 degree for normals
 };
 
-/// One a level. The levels are means over blocks of 2^level texels, lookups bilinear: what a renderer does.
-std::vector<SeamError> seam_errors(const Image& map, const std::vector<Seam>& seams, MapValues values);
+/// One a level, of the first `levels`. The levels are means over blocks of 2^level texels, lookups bilinear:
+/// what a renderer does.
+std::vector<SeamError> seam_errors(const Image& map, const std::vector<Seam>& seams, MapValues values,
+                                   int levels = kSeamLevels);
 
 /// A place on one side, between its two points, as a bilinear lookup at one mip level: blocks of texels and
 /// their weights.

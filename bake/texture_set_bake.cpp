@@ -13,7 +13,6 @@
 #include "bake/picture.h"
 #include "bake/uv_charts.h"
 #include "dataset/model/error.h"
-#include "dataset/model/model_files.h"
 
 namespace ohb {
 namespace {
@@ -159,6 +158,20 @@ void check_misses(const SetReport& report, const SourceBake& source, const BakeS
                   100 * limits.max_missed_share),
       mend);
 }
+
+/// Of an image of half the size, rounded down: whether any of a texel's block is 1.
+std::vector<uint8_t> any_of_blocks(const std::vector<uint8_t>& values, int width_px, int height_px) {
+  const int width = std::max(1, width_px / 2), height = std::max(1, height_px / 2);
+  std::vector<uint8_t> any(static_cast<size_t>(width) * height);
+  for (int y = 0; y < height_px; ++y)
+    for (int x = 0; x < width_px; ++x)
+      any[static_cast<size_t>(std::min(y / 2, height - 1)) * width + std::min(x / 2, width - 1)] |=
+          values[static_cast<size_t>(y) * width_px + x];
+  return any;
+}
+
+/// A quarter of the limits of seams.h.
+constexpr float kMipColourTolerance = 0.25f / 255, kMipNormalTolerance = 0.004f;
 
 }  // namespace
 
@@ -385,6 +398,36 @@ void SetBake::report_seams(MapSeams seams) {
   const auto after = std::find_if(report_.seams.begin(), report_.seams.end(),
                                   [&](const MapSeams& other) { return place(other) > place(seams); });
   report_.seams.insert(after, std::move(seams));
+}
+
+void SetBake::report_shipped(const char* map, std::vector<SeamError> levels) {
+  const std::lock_guard lock(report_mutex_);
+  for (MapSeams& seams : report_.seams)
+    if (seams.map == map) seams.shipped_levels = std::move(levels);
+}
+
+std::vector<Image> SetBake::mips_of(const Image& map, const MapKind& kind) {
+  const bool is_normals = kind.image == &TextureSet::normal;
+  const bool is_mended = mender_ && (is_normals || kind.image == &TextureSet::albedo);
+  const MapValues values = is_normals ? MapValues::kNormals : MapValues::kLinearColour;
+  std::vector<Image> mips;
+  std::vector<SeamError> errors;
+  std::vector<uint8_t> is_inside = is_inside_;
+  Image plain;  // the level before any mending
+  for (const Image* finer = &map; finer->width_px > 1 || finer->height_px > 1; finer = &plain) {
+    const int width = std::max(1, finer->width_px / 2), height = std::max(1, finer->height_px / 2);
+    const int level = static_cast<int>(mips.size()) + 1;
+    is_inside = any_of_blocks(is_inside, finer->width_px, finer->height_px);
+    plain = resample(*finer, width, height);
+    mips.push_back(plain);
+    if (is_normals) normalise_pixels(mips.back());
+    if (!is_mended || level >= kSeamLevels) continue;
+    SeamMender(seams_, is_inside, width, height, 1)
+        .mend(mips.back(), values, is_normals ? kMipNormalTolerance : kMipColourTolerance);
+    errors.push_back(seam_errors(mips.back(), seams_, values, 1).front());
+  }
+  if (!errors.empty()) report_shipped(kind.name, std::move(errors));
+  return mips;
 }
 
 Image SetBake::take_albedo() {

@@ -12,6 +12,7 @@
 #include "bake/seam_mend.h"
 #include "bake/source_bake.h"
 #include "bake/texel_coverage.h"
+#include "dataset/model/model_files.h"
 
 namespace ohb {
 
@@ -38,6 +39,10 @@ class SetBake {
   Image take_displacement();
   Image take_height();         // cm along the low mesh's normal; empty without a source
   Image take_object_normal();  // empty unless wanted
+  /// The mip levels of a finished map, from level 1 down to one texel: area-weighted means, normals made unit
+  /// length. Of albedo and normals the seams are mended level by level up to level 4, each level by itself,
+  /// which a chain of plain means cannot reach.
+  std::vector<Image> mips_of(const Image& map, const MapKind& kind);
   /// 255 where a texel has a value of its own, else 128.
   ByteImage valid() const;
   /// Colours of what each texel found, as docs/commands/bake.md lists them; empty without a source and
@@ -54,6 +59,7 @@ class SetBake {
   /// Fills the background of a map (band beside the seams, then the rest), mends its seams and reports them.
   Image finished(Image image, const char* map, const std::vector<uint8_t>& is_covered, MapValues values);
   void report_seams(MapSeams seams);
+  void report_shipped(const char* map, std::vector<SeamError> levels);
   void report_source();
 
   const CanonicalMesh& mesh_;

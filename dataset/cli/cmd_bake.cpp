@@ -14,7 +14,7 @@ struct Options {
   int size_px = 0;
   double reach_cm = 0, max_missed_percent = 100 * kMaxMissedShare;
   double max_overlap_percent = 100 * kMaxSourceOverlapShare;
-  bool wants_object_normals = false, keeps_seams = false, delights = false;
+  bool wants_object_normals = false, keeps_seams = false, wants_mips = false, delights = false;
 };
 
 int run_bake(const Options& options, const CommonOptions& common) {
@@ -34,6 +34,7 @@ int run_bake(const Options& options, const CommonOptions& common) {
   job.max_missed_percent = options.max_missed_percent;
   job.max_overlap_percent = options.max_overlap_percent;
   job.keeps_seams = options.keeps_seams;
+  job.wants_mips = options.wants_mips;
   job.wants_object_normals = options.wants_object_normals;
   job.output = options.output;
   job.delights = options.delights;
@@ -87,6 +88,8 @@ void add_bake_command(CLI::App& app, Commands& commands) {
       ->capture_default_str();
   command->add_flag("--object-normals", options->wants_object_normals,
                     "write the source's normals in the model's axes too (normal_object.exr)");
+  command->add_flag("--mips", options->wants_mips,
+                    "write the maps tiled and with their mip levels, each with its seams made to agree");
   command->add_flag("--keep-seams", options->keeps_seams,
                     "leave the texels at seams as they are (default: both sides are made to agree)");
   command->add_flag("--delight", options->delights,

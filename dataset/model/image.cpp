@@ -159,6 +159,12 @@ OIIO::ImageSpec spec_of(const ExrPart& part, const ExrAttributes& attributes) {
   spec.attribute("Software", "openhumanbrdf " OHB_VERSION);
   spec.attribute("oiio:subimagename", part.name);
   for (const auto& [name, value] : attributes) spec.attribute(name, value);
+  if (part.mips.empty()) return spec;
+  constexpr int kTile_px = 64;
+  spec.tile_width = spec.tile_height = kTile_px;
+  spec.attribute("textureformat", "Plain Texture");  // OpenImageIO's word for an EXR with mip levels
+  spec.attribute("openexr:levelmode", 1);            // MIPMAP_LEVELS
+  spec.attribute("openexr:roundingmode", 0);         // ROUND_DOWN
   return spec;
 }
 
@@ -232,6 +238,13 @@ void write_exr(const fs::path& file, const std::vector<ExrPart>& parts, const Ex
       std::vector<float> copy;
       const std::vector<float>& values = writable_values(parts[i], copy);
       check_written(output->write_image(OIIO::TypeDesc::FLOAT, values.data()), *output, bytes, file);
+      for (const Image& mip : parts[i].mips) {
+        specs[i].width = specs[i].full_width = mip.width_px;
+        specs[i].height = specs[i].full_height = mip.height_px;
+        check_written(output->open(name, specs[i], OIIO::ImageOutput::AppendMIPLevel) &&
+                          output->write_image(OIIO::TypeDesc::FLOAT, mip.values.data()),
+                      *output, bytes, file);
+      }
     }
     const bool is_closed = output->close();
     bytes.close();

@@ -67,6 +67,9 @@ struct ExrPart {
   std::vector<std::string> channels;  // as many as the image has, for example {"R", "G", "B"}
   Type type = Type::kHalf;
   Image image;
+  /// The coarser mip levels, each half the one before (rounded down, at least 1) down to one pixel; empty:
+  /// none. A part with levels is tiled. read_exr reads the finest only.
+  std::vector<Image> mips = {};
 };
 
 /// String attributes of the file's header, written to each part.

@@ -41,9 +41,10 @@ struct TextureSetEntry {
 std::vector<std::string> texture_set_folders(const std::vector<std::string>& names);
 
 /// One map of a set into maps/<entry.folder>/ of the MODEL at `folder`, with its preview; it must have the
-/// entry's size. An empty image: nothing, or a flat normal map. Gives whether model.xml names the map.
+/// entry's size. `mips`: as ExrPart::mips. An empty image: nothing, or a flat normal map. Gives whether
+/// model.xml names the map.
 bool write_texture_map(const std::filesystem::path& folder, const MapKind& kind, Image image,
-                       const TextureSetEntry& entry);
+                       const TextureSetEntry& entry, std::vector<Image> mips = {});
 
 /// maps/<set_folder>/ of the MODEL at `folder`; each map's memory is freed once it is on disk.
 /// Throws as write_model.

@@ -142,8 +142,8 @@ std::vector<std::string> texture_set_folders(const std::vector<std::string>& nam
   return folders;
 }
 
-bool write_texture_map(const fs::path& folder, const MapKind& kind, Image image,
-                       const TextureSetEntry& entry) {
+bool write_texture_map(const fs::path& folder, const MapKind& kind, Image image, const TextureSetEntry& entry,
+                       std::vector<Image> mips) {
   const fs::path maps = folder / "maps" / entry.folder, previews = maps / "previews";
   make_folders(previews);
   // All six maps are on disk, but a flat normal map is not named in model.xml: nobody need sample it.
@@ -156,9 +156,9 @@ bool write_texture_map(const fs::path& folder, const MapKind& kind, Image image,
   Image preview = preview_of(image);
   encode_preview(kind.name, preview);
   write_png(previews / (std::string(kind.name) + ".png"), preview);
-  ExrPart part{kind.name,
-               kind.channels == 3 ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"},
-               kind.is_float ? ExrPart::Type::kFloat : ExrPart::Type::kHalf, std::move(image)};
+  ExrPart part{
+      kind.name, kind.channels == 3 ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"},
+      kind.is_float ? ExrPart::Type::kFloat : ExrPart::Type::kHalf, std::move(image), std::move(mips)};
   std::vector<ExrPart> parts;
   parts.push_back(std::move(part));
   write_exr(maps / (std::string(kind.name) + ".exr"), parts,

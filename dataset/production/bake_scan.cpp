@@ -124,6 +124,7 @@ std::unique_ptr<BakeInputs> read_bake_inputs(const BakeJob& job) {
   options.name = job.name.empty() ? job.scan.stem().string() : job.name;
   options.quiet = job.quiet;
   options.mends_seams = !job.keeps_seams;
+  options.wants_mips = job.wants_mips;
   options.class_weights = class_weights(scan, job.regions);
   read_source(job, *inputs);
   if (job.source.empty()) options.green = green_channels(scan, job.normals);
