@@ -16,8 +16,8 @@ namespace ohb {
 struct FidelityThresholds {
   double accepted_share = 0.997;  // of the 3 x 3 bins inside the outline
   double ratio = 0.002;           // |baked / source - 1| of the whole picture
-  double class_ratio = 0.005;     // of each class: mended seams move dark hair beside skin by 0.2 %
-  double least_region_px = 25;    // a class that covers less is shown and not judged
+  double class_ratio = 0.005;     // of each class: mended seams move dark hair beside skin by 0.3 %
+  double least_region_px = 100;   // a class that covers less is shown and not judged
 };
 
 struct FidelitySettings {
