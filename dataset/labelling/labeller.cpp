@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace ohb {
 namespace {
@@ -16,7 +17,11 @@ constexpr float kSeed = 50;          // conductance of a stroked face: far more 
 constexpr float kFloor = 0.01f;      // least probability: no term decides alone
 constexpr float kStrokeCost = 1e7f;  // of another class than the stroke's
 constexpr size_t kColourSamples = 6000;
-constexpr float kTelling_cm2 = 6;   // a stroke on less is a correction and tells less of look-alikes
+constexpr float kTelling_cm2 = 6;  // a stroke on less is a correction and tells less of look-alikes
+/// A user paints first what is most wrong, so what n strokes left alone is likely right: the next one speaks
+/// for less of what is far or looks otherwise, its likeness raised to 1 + kSharpening n.
+constexpr float kSharpening = 0.3f;
+constexpr size_t kMostSharpened = 10;
 constexpr float kStrokeShare = 4;   // what looks like a stroke against the start labels
 constexpr float kSureShare = 0.5f;  // faces below are not what their class looks like
 
@@ -49,19 +54,25 @@ Labeller::Labeller(const Scan& scan, double unit_cm, LabelTerms terms)
   walker_.emplace(graph.size(), conductance, std::move(restart));
 }
 
-std::vector<float> Labeller::reach_weights(const std::vector<ClassValues>& best) const {
-  std::vector<float> weight;
+std::vector<float> Labeller::reach_weights() const {
+  std::vector<float> area_cm2, weight;
   for (const Reach& reach : reaches_) {
-    float contested = 0, area_cm2 = 0;
-    for (uint32_t f : reach.covered) {
-      float others = 0;
-      for (int c = 0; c < kClassCount; ++c)
-        if (c != reach.stroke.material_class) others = std::max(others, best[f][c]);
-      contested += features_.graph.area_cm2[f] * others;
-      area_cm2 += features_.graph.area_cm2[f];
+    area_cm2.push_back(0);
+    for (uint32_t f : reach.covered) area_cm2.back() += features_.graph.area_cm2[f];
+    weight.push_back(std::min(1.0f, area_cm2.back() / kTelling_cm2));
+  }
+  std::vector<ClassValues> votes(features_.size(), ClassValues{});
+  for (size_t s = 0; s < reaches_.size(); ++s)
+    for (const StrokeLikeness& like : reaches_[s].faces)
+      votes[like.face][reaches_[s].stroke.material_class] += weight[s] * like.value;
+  for (size_t s = 0; s < reaches_.size(); ++s) {
+    float lead = 0;
+    for (uint32_t f : reaches_[s].covered) {
+      const float all = votes[f][0] + votes[f][1] + votes[f][2] + votes[f][3];
+      const float own = votes[f][reaches_[s].stroke.material_class];
+      if (all > 0) lead += features_.graph.area_cm2[f] * std::max(0.0f, 2 * own / all - 1);
     }
-    const float share = area_cm2 > 0 ? contested / area_cm2 : 0;
-    weight.push_back((1 - share) * std::min(1.0f, area_cm2 / kTelling_cm2));
+    weight[s] *= area_cm2[s] > 0 ? lead / area_cm2[s] : 0;
   }
   return weight;
 }
@@ -73,27 +84,31 @@ std::vector<ClassValues> Labeller::revised_start(const std::vector<Stroke>& stro
              return p.face == q.face && p.at.x == q.at.x && p.at.y == q.at.y && p.at.z == q.at.z;
            });
   };
+  std::vector<size_t> order(strokes.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t l, size_t r) { return strokes[l].time_s < strokes[r].time_s; });
   reaches_.resize(strokes.size());
-  tbb::parallel_for(size_t{0}, strokes.size(), [&](size_t s) {
-    if (is_same(reaches_[s].stroke, strokes[s])) {
-      reaches_[s].stroke.material_class = strokes[s].material_class;
+  tbb::parallel_for(size_t{0}, strokes.size(), [&](size_t rank) {
+    const size_t s = order[rank];
+    Reach& reach = reaches_[s];
+    const float sharpness = 1 + kSharpening * static_cast<float>(std::min(rank, kMostSharpened));
+    if (is_same(reach.stroke, strokes[s]) && reach.sharpness == sharpness) {
+      reach.stroke.material_class = strokes[s].material_class;
       return;
     }
     std::vector<uint32_t> covered = faces_of_stroke(strokes[s], features_.graph, unit_cm_);
     std::vector<StrokeLikeness> reached = reach_of_stroke(features_, likeness_, start_class_, covered);
-    reaches_[s] = {strokes[s], std::move(covered), std::move(reached)};
+    for (StrokeLikeness& like : reached) like.value = std::pow(like.value, sharpness);
+    reach = {strokes[s], sharpness, std::move(covered), std::move(reached)};
   });
-  const auto best_of = [&](const std::vector<float>& weight) {
-    std::vector<ClassValues> best(features_.size(), ClassValues{});
-    for (size_t s = 0; s < strokes.size(); ++s)
-      for (const StrokeLikeness& like : reaches_[s].faces) {
-        float& value = best[like.face][strokes[s].material_class];
-        value = std::max(value, weight[s] * like.value);
-      }
-    return best;
-  };
-  std::vector<ClassValues> best = best_of(std::vector<float>(strokes.size(), 1.0f));
-  best = best_of(reach_weights(best));
+  const std::vector<float> weight = reach_weights();
+  std::vector<ClassValues> best(features_.size(), ClassValues{});
+  for (size_t s = 0; s < strokes.size(); ++s)
+    for (const StrokeLikeness& like : reaches_[s].faces) {
+      float& value = best[like.face][strokes[s].material_class];
+      value = std::max(value, weight[s] * like.value);
+    }
   std::vector<ClassValues> start = start_.probability;
   for (size_t f = 0; f < start.size(); ++f) {
     const float sum = best[f][0] + best[f][1] + best[f][2] + best[f][3];

@@ -54,9 +54,10 @@ class Labeller {
 
  private:
   std::vector<ClassValues> revised_start(const std::vector<Stroke>& strokes);
-  /// What each stroke's reach counts. A stroke on what another one takes for its own garment shows that looks
-  /// deceive there, and neither speaks for look-alikes; nor does a dot of a few mm.
-  std::vector<float> reach_weights(const std::vector<ClassValues>& best) const;
+  /// What each stroke's reach counts, by a vote of all strokes on the faces that it covers: its class's share
+  /// over a half. One against many does not speak for look-alikes and takes little from them; of one against
+  /// one neither speaks, as looks deceive there; nor does a dot of a few mm.
+  std::vector<float> reach_weights() const;
   std::vector<ClassValues> colour_probability(const std::vector<ClassValues>& share,
                                               const StrokedFaces& stroked) const;
   LabelEnergy energy_of_faces(const std::vector<ClassValues>& walk, const StrokedFaces& stroked) const;
@@ -71,6 +72,7 @@ class Labeller {
   std::optional<RandomWalker> walker_;
   struct Reach {
     Stroke stroke;
+    float sharpness;  // the power of the likeness
     std::vector<uint32_t> covered;
     std::vector<StrokeLikeness> faces;
   };

@@ -58,6 +58,50 @@ TEST(Labeller, AStrokeTurnsTheRegionThatItIsIn) {
   EXPECT_GT(accuracy_of(undone, before, person.scan), 0.99);
 }
 
+TEST(Labeller, AWrongStrokeIsOutvotedButHoldsWhereItIs) {
+  TubePerson person;
+  make_tube_person(48, 120, person);
+  Labeller labeller(person.scan, 1);
+  const auto face_at = [](int i, int j) { return static_cast<uint32_t>(j * 48 + i); };
+  // Three strokes say that the trousers are leather, one that they are hair.
+  std::vector<Stroke> strokes = {
+      stroke_at(labeller, face_at(24, 40), kLeather, 1), stroke_at(labeller, face_at(6, 20), kLeather, 2),
+      stroke_at(labeller, face_at(40, 30), kLeather, 3), stroke_at(labeller, face_at(24, 20), kHair, 4)};
+  const std::vector<uint8_t> labels = labeller.solve(strokes).face_class;
+  const FaceGraph& graph = labeller.features().graph;
+  size_t far = 0, leather = 0;
+  for (int i = 0; i < 48; ++i)
+    for (int j = 8; j < 58; ++j) {
+      const uint32_t f = face_at(i, j);
+      if (length(graph.centre_cm[f] - graph.centre_cm[face_at(24, 20)]) < 8) continue;
+      ++far;
+      leather += labels[f] == kLeather;
+    }
+  EXPECT_GT(far, 2000u);
+  EXPECT_GT(leather, far * 98 / 100);
+  for (uint32_t f : faces_of_stroke(strokes[3], graph, 1)) EXPECT_EQ(labels[f], kHair);
+}
+
+TEST(Labeller, ALateStrokeReachesLessFarButThreeTurnAGarment) {
+  TubePerson person;
+  make_tube_person(48, 120, person);
+  Labeller labeller(person.scan, 1);
+  const auto face_at = [](int i, int j) { return static_cast<uint32_t>(j * 48 + i); };
+  std::vector<Stroke> strokes;
+  for (int n = 0; n < 8; ++n)  // on the shirt, which is right already
+    strokes.push_back(stroke_at(labeller, face_at(6 * n, 64 + 3 * n), kFabric, n));
+  const auto leather_after = [&](int i, int j, double time_s) {
+    strokes.push_back(stroke_at(labeller, face_at(i, j), kLeather, time_s));
+    const std::vector<uint8_t> labels = labeller.solve(strokes).face_class;
+    return std::count(labels.begin(), labels.begin() + 58 * 48, kLeather);
+  };
+  const auto one = leather_after(24, 35, 10);
+  EXPECT_GT(one, 48 * 50 / 4);
+  EXPECT_LT(one, 48 * 50 / 2);  // a first stroke turns nine tenths
+  leather_after(0, 20, 11);
+  EXPECT_GT(leather_after(0, 45, 12), 48 * 50 * 9 / 10);
+}
+
 TEST(Labeller, StrokedFacesKeepTheirClassAndAreSure) {
   TubePerson person;
   make_tube_person(32, 80, person);
