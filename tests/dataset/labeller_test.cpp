@@ -63,10 +63,10 @@ TEST(Labeller, AWrongStrokeIsOutvotedButHoldsWhereItIs) {
   make_tube_person(48, 120, person);
   Labeller labeller(person.scan, 1);
   const auto face_at = [](int i, int j) { return static_cast<uint32_t>(j * 48 + i); };
-  // Three strokes say that the trousers are leather, one that they are hair.
+  // Three strokes say that the trousers are leather, one that they are fabric, as they look.
   std::vector<Stroke> strokes = {
       stroke_at(labeller, face_at(24, 40), kLeather, 1), stroke_at(labeller, face_at(6, 20), kLeather, 2),
-      stroke_at(labeller, face_at(40, 30), kLeather, 3), stroke_at(labeller, face_at(24, 20), kHair, 4)};
+      stroke_at(labeller, face_at(40, 30), kLeather, 3), stroke_at(labeller, face_at(24, 20), kFabric, 4)};
   const std::vector<uint8_t> labels = labeller.solve(strokes).face_class;
   const FaceGraph& graph = labeller.features().graph;
   size_t far = 0, leather = 0;
@@ -79,7 +79,7 @@ TEST(Labeller, AWrongStrokeIsOutvotedButHoldsWhereItIs) {
     }
   EXPECT_GT(far, 2000u);
   EXPECT_GT(leather, far * 98 / 100);
-  for (uint32_t f : faces_of_stroke(strokes[3], graph, 1)) EXPECT_EQ(labels[f], kHair);
+  for (uint32_t f : faces_of_stroke(strokes[3], graph, 1)) EXPECT_EQ(labels[f], kFabric);
 }
 
 TEST(Labeller, ALateStrokeReachesLessFarButThreeTurnAGarment) {
