@@ -66,13 +66,12 @@ std::vector<float> Labeller::reach_weights() const {
     for (const StrokeLikeness& like : reaches_[s].faces)
       votes[like.face][reaches_[s].stroke.material_class] += weight[s] * like.value;
   for (size_t s = 0; s < reaches_.size(); ++s) {
-    float lead = 0;
+    float share = 0;
     for (uint32_t f : reaches_[s].covered) {
       const float all = votes[f][0] + votes[f][1] + votes[f][2] + votes[f][3];
-      const float own = votes[f][reaches_[s].stroke.material_class];
-      if (all > 0) lead += features_.graph.area_cm2[f] * std::max(0.0f, 2 * own / all - 1);
+      if (all > 0) share += features_.graph.area_cm2[f] * votes[f][reaches_[s].stroke.material_class] / all;
     }
-    weight[s] *= area_cm2[s] > 0 ? lead / area_cm2[s] : 0;
+    weight[s] *= area_cm2[s] > 0 ? share / area_cm2[s] : 0;
   }
   return weight;
 }

@@ -54,9 +54,8 @@ class Labeller {
 
  private:
   std::vector<ClassValues> revised_start(const std::vector<Stroke>& strokes);
-  /// What each stroke's reach counts, by a vote of all strokes on the faces that it covers: its class's share
-  /// over a half. One against many does not speak for look-alikes and takes little from them; of one against
-  /// one neither speaks, as looks deceive there; nor does a dot of a few mm.
+  /// What each stroke's reach counts: its class's share of the votes of all strokes on the faces that it
+  /// covers, so that one against many speaks little for look-alikes; and less for a dot of a few mm.
   std::vector<float> reach_weights() const;
   std::vector<ClassValues> colour_probability(const std::vector<ClassValues>& share,
                                               const StrokedFaces& stroked) const;
