@@ -9,6 +9,7 @@
 #include "dataset/cli/commands.h"
 #include "dataset/cli/version.h"
 #include "dataset/model/error.h"
+#include "dataset/model/image.h"
 #include "dataset/model/interrupt.h"
 
 namespace ohb {
@@ -39,9 +40,11 @@ int run(int argc, char** argv) {
     return kExitBadInput;
   }
   std::unique_ptr<tbb::global_control> limit;
-  if (commands.common.threads > 0)
+  if (commands.common.threads > 0) {
     limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                   static_cast<size_t>(commands.common.threads));
+    limit_image_threads(commands.common.threads);
+  }
   check_processor();
   catch_interrupts();
   // stdout belongs to results.

@@ -219,6 +219,11 @@ ImageFileInfo probe_image_bytes(const std::string& bytes, const std::string& nam
   return info_of(open_image_bytes(bytes, name).input->spec());
 }
 
+void limit_image_threads(int threads) {
+  OIIO::attribute("threads", threads);
+  OIIO::attribute("exr_threads", threads);
+}
+
 void write_exr(const fs::path& file, const std::vector<ExrPart>& parts, const ExrAttributes& attributes) {
   if (parts.empty()) throw std::logic_error("write_exr: no part");
   std::vector<OIIO::ImageSpec> specs;

@@ -60,6 +60,9 @@ Image read_image_bytes(const std::string& bytes, const std::string& name, ImageF
 ImageFileInfo probe_image(const std::filesystem::path& file);
 ImageFileInfo probe_image_bytes(const std::string& bytes, const std::string& name);
 
+/// Threads that (de)compression of images may use; the bytes do not depend on it.
+void limit_image_threads(int threads);
+
 /// One part of a multi-part EXR.
 struct ExrPart {
   enum class Type { kHalf, kFloat };
