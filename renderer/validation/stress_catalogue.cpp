@@ -1,9 +1,4 @@
-#include <fmt/format.h>
-
-#include <nlohmann/json.hpp>
-
-#include "dataset/model/atomic_file.h"
-#include "dataset/model/error.h"
+#include "dataset/model/json_catalogue.h"
 #include "renderer/validation/stress.h"
 
 namespace ohb {
@@ -62,22 +57,7 @@ StressCase case_of(const json& from) {
 }  // namespace
 
 std::vector<StressCase> read_stress_catalogue(const fs::path& file) {
-  std::vector<StressCase> catalogue;
-  std::string place = "the file";
-  try {
-    const json whole = json::parse(read_file(file));
-    for (const json& each : whole.at("cases")) {
-      place = fmt::format("case {}", catalogue.size() + 1);
-      if (each.contains("name")) place += fmt::format(" ({})", each.at("name").get<std::string>());
-      catalogue.push_back(case_of(each));
-    }
-  } catch (const json::exception& error) {
-    throw InputError(file.string(), place, error.what(),
-                     "write it as tests/stress/catalogue.json is written");
-  } catch (const InputError& error) {
-    throw InputError(file.string(), place, error.what(), "");
-  }
-  return catalogue;
+  return read_json_catalogue<StressCase>(file, "tests/stress/catalogue.json", case_of);
 }
 
 }  // namespace ohb

@@ -1,22 +1,10 @@
 // What a renderer's minute buys: 1 / (mean squared error x processor time), of one view without loading.
 // usage: efficiency_bench MODEL E.exr [SPP [SIZE_PX [adaptive]]]
-#include <sys/resource.h>
-
 #include <cstdio>
 #include <cstdlib>
 
 #include "renderer/render.h"
-
-namespace {
-
-double processor_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
-
-}  // namespace
+#include "renderer/validation/stopwatch.h"
 
 int main(int argc, char** argv) {
   using namespace ohb;
@@ -33,14 +21,14 @@ int main(int argc, char** argv) {
   settings.size_px = argc > 4 ? std::atoi(argv[4]) : 256;
   settings.adaptive = argc > 5;
   std::vector<Image> images;
-  const double start = processor_seconds();
+  const Stopwatch watch;
   RenderStatistics statistics;
   for (int k = 0; k < kSeeds; ++k) {
     settings.seed = static_cast<uint64_t>(k) + 1;
     images.push_back(
         render_lights(*scene, *lights, fit_camera(model.positions_cm), 0, settings, &statistics)[0].radiance);
   }
-  const double seconds = (processor_seconds() - start) / kSeeds;
+  const double seconds = watch.cpu_s() / kSeeds;
   double error = 0, square = 0;
   for (size_t i = 0; i < images[0].values.size(); ++i) {
     double sum = 0, squares = 0;

@@ -1,26 +1,13 @@
 #include "tests/bench/robot_run.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
-#include <chrono>
 #include <random>
 
 #include "dataset/model/scan_unit.h"
 #include "dataset/production/label.h"
+#include "renderer/validation/stopwatch.h"
 
 namespace ohb {
-namespace {
-
-double processor_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
-}
-
-}  // namespace
-
 RobotHuman read_robot_human(const std::filesystem::path& file) {
   RobotHuman human{file.stem().string(), read_scan(file), {}, {}};
   std::filesystem::path labels = file;
@@ -45,12 +32,11 @@ void run_robot(const RobotHuman& human, const std::string& series, const RobotMe
     if (!stroke.points.empty()) {
       stroke.time_s = n;
       strokes.push_back(stroke);
-      const auto wall = std::chrono::steady_clock::now();
-      const double cpu = processor_seconds();
+      const Stopwatch watch;
       face_class = method.nearest ? nearest_stroke_classes(graph, labeller.unit_cm(), strokes, start)
                                   : labeller.solve(strokes).face_class;
-      point.cpu_s = processor_seconds() - cpu;
-      point.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count();
+      point.cpu_s = watch.cpu_s();
+      point.wall_s = watch.wall_s();
     }
     const TruthComparison truth = compare_with_truth(face_class, human.truth, human.area);
     point.strokes = n;
