@@ -52,9 +52,46 @@ inline bool intersect_bvh(RTCScene bvh, uint32_t first_triangle, const Ray& ray,
   return true;
 }
 
+/// Closest hits of up to eight rays that run alike; bit i of the result: whether ray i has one.
+inline uint32_t intersect_eight_rays(RTCScene bvh, const Ray* rays, int count, Hit* hits) {
+  alignas(32) int valid[8];
+  RTCRayHit8 r;
+  for (int i = 0; i < 8; ++i) {
+    const Ray& ray = rays[i < count ? i : 0];
+    valid[i] = i < count ? -1 : 0;
+    r.ray.org_x[i] = ray.origin.x, r.ray.org_y[i] = ray.origin.y, r.ray.org_z[i] = ray.origin.z;
+    r.ray.dir_x[i] = ray.direction.x, r.ray.dir_y[i] = ray.direction.y, r.ray.dir_z[i] = ray.direction.z;
+    r.ray.tnear[i] = 0, r.ray.tfar[i] = std::numeric_limits<float>::infinity(), r.ray.time[i] = 0;
+    r.ray.mask[i] = 0xffffffffu, r.ray.id[i] = 0, r.ray.flags[i] = 0;
+    r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+  intersect_eight(bvh, valid, r);
+  uint32_t met = 0;
+  for (int i = 0; i < count; ++i) {
+    if (r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+    met |= 1u << i;
+    hits[i] = {r.hit.primID[i], r.hit.u[i], r.hit.v[i], r.ray.tfar[i]};
+  }
+  return met;
+}
+
 inline Vec2f uv_at(const Scene& scene, const Hit& hit) {
   const TriangleAttributes& a = scene.attributes[hit.triangle];
   return (1 - hit.u - hit.v) * a.uv[0] + hit.u * a.uv[1] + hit.v * a.uv[2];
+}
+
+/// Bring what surface_at will read into the cache: first what hangs on the triangle, then on its UVs.
+inline void prefetch_surface(const Scene& scene, const Hit& hit) {
+  __builtin_prefetch(&scene.attributes[hit.triangle]);
+  __builtin_prefetch(&scene.indices[3 * size_t{hit.triangle}]);
+  if (scene.tangents.empty()) return;
+  __builtin_prefetch(&scene.tangents[hit.triangle]);
+}
+inline void prefetch_texels(const Scene& scene, const Hit& hit) {
+  const TriangleAttributes& a = scene.attributes[hit.triangle];
+  scene.sets[a.set].prefetch(uv_at(scene, hit));
+  const uint32_t* corners = &scene.indices[3 * size_t{hit.triangle}];
+  for (int c = 0; c < 3; ++c) __builtin_prefetch(&scene.positions[corners[c]]);
 }
 
 inline float alpha_at(const Scene& scene, const Hit& hit) {

@@ -220,22 +220,8 @@ struct Walked {
 /// reflection: this is followed, and several walks are, from `walked` on. They share the way to the surface,
 /// and skin is where the noise is.
 template <bool kCutouts, class Bsdf>
-bool advance(const PathContext& c, PathState& state, Walked& walked, PathSampler& sampler, Tile& tile,
-             std::vector<Vec3f>& radiance) {
-  Hit hit;
-  if (!intersect<kCutouts>(c.scene, state.ray, sampler.random, tile.rays, hit)) {
-    // The camera sees no background: it is transparent.
-    if (state.bounce > 0)
-      add_environments(c, state.ray.direction, state.bsdf_pdf, state.lights_worth, state.throughput, tile,
-                       radiance);
-    return false;
-  }
-  if (state.bounce > c.max_bounces) return false;
-  if (state.bounce >= kRouletteFromBounce) {
-    const float survive = std::fmin(1.0f, std::sqrt(max_component(state.throughput)));
-    if (!(sampler.random.next() < survive)) return false;
-    state.throughput *= 1 / survive;
-  }
+bool scatter(const PathContext& c, const Hit& hit, PathState& state, Walked& walked, PathSampler& sampler,
+             Tile& tile, std::vector<Vec3f>& radiance) {
   const Vec3f wo = -state.ray.direction;
   const SurfacePoint point = surface_at(c.scene, hit, wo);
   UnderSurface under = UnderSurface::kNone;
@@ -270,23 +256,74 @@ bool advance(const PathContext& c, PathState& state, Walked& walked, PathSampler
   return !ends && bounce_off(c, point, next, state);
 }
 
+/// To the next surface and on from it: false if the path ends.
 template <bool kCutouts, class Bsdf>
-void trace_path(const PathContext& c, const Ray& camera_ray, PathSampler& sampler, Tile& tile,
+bool advance(const PathContext& c, PathState& state, Walked& walked, PathSampler& sampler, Tile& tile,
+             std::vector<Vec3f>& radiance) {
+  Hit hit;
+  if (!intersect<kCutouts>(c.scene, state.ray, sampler.random, tile.rays, hit)) {
+    add_environments(c, state.ray.direction, state.bsdf_pdf, state.lights_worth, state.throughput, tile,
+                     radiance);
+    return false;
+  }
+  if (state.bounce > c.max_bounces) return false;
+  if (state.bounce >= kRouletteFromBounce) {
+    const float survive = std::fmin(1.0f, std::sqrt(max_component(state.throughput)));
+    if (!(sampler.random.next() < survive)) return false;
+    state.throughput *= 1 / survive;
+  }
+  return scatter<kCutouts, Bsdf>(c, hit, state, walked, sampler, tile, radiance);
+}
+
+/// Camera rays of one pixel and what they meet.
+struct CameraRays {
+  static constexpr int kMost = 8;
+  Ray rays[kMost];
+  Hit hits[kMost];
+  bool is_hit[kMost];
+  std::vector<PathSampler> samplers;  // one a ray
+
+  /// Without cut-outs all at once, and what shading will ask for first comes into the cache meanwhile.
+  template <bool kCutouts>
+  void intersect_all(const Scene& scene, RayCounts& counts) {
+    const int count = static_cast<int>(samplers.size());
+    if (kCutouts || count < 2) {
+      for (int i = 0; i < count; ++i)
+        is_hit[i] =
+            intersect<kCutouts>(scene, rays[i], samplers[static_cast<size_t>(i)].random, counts, hits[i]);
+      return;
+    }
+    counts.closest_hit += static_cast<uint64_t>(count);
+    for (int i = 0; i < count; ++i)
+      record_ray(counts, rays[i], 0, std::numeric_limits<float>::infinity(), false, false);
+    const uint32_t met = scene.opaque ? intersect_eight_rays(scene.opaque, rays, count, hits) : 0;
+    for (int i = 0; i < count; ++i) {
+      is_hit[i] = met >> i & 1;
+      if (is_hit[i]) prefetch_surface(scene, hits[i]);
+    }
+    for (int i = 0; i < count; ++i)
+      if (is_hit[i]) prefetch_texels(scene, hits[i]);
+  }
+};
+
+/// A path from what a camera ray met.
+template <bool kCutouts, class Bsdf>
+void trace_path(const PathContext& c, const Ray& camera_ray, const Hit& hit, PathSampler& sampler, Tile& tile,
                 std::vector<Vec3f>& radiance) {
   PathState state;
   Walked walked;
   state.ray = camera_ray;
-  while (true) {
-    if (advance<kCutouts, Bsdf>(c, state, walked, sampler, tile, radiance)) continue;
-    if (walked.count == 0) return;
-    state = walked.states[--walked.count];
+  bool goes_on = scatter<kCutouts, Bsdf>(c, hit, state, walked, sampler, tile, radiance);
+  while (goes_on || walked.count > 0) {
+    if (!goes_on) state = walked.states[--walked.count];
+    goes_on = advance<kCutouts, Bsdf>(c, state, walked, sampler, tile, radiance);
   }
 }
 
 // Compiled apart, in path_tracer_v2.cpp: in one unit the compiler inlines less of each model.
-extern template void trace_path<false, PrincipledV2>(const PathContext&, const Ray&, PathSampler&, Tile&,
-                                                     std::vector<Vec3f>&);
-extern template void trace_path<true, PrincipledV2>(const PathContext&, const Ray&, PathSampler&, Tile&,
-                                                    std::vector<Vec3f>&);
+extern template void trace_path<false, PrincipledV2>(const PathContext&, const Ray&, const Hit&, PathSampler&,
+                                                     Tile&, std::vector<Vec3f>&);
+extern template void trace_path<true, PrincipledV2>(const PathContext&, const Ray&, const Hit&, PathSampler&,
+                                                    Tile&, std::vector<Vec3f>&);
 
 }  // namespace ohb

@@ -2,9 +2,9 @@
 
 namespace ohb {
 
-template void trace_path<false, PrincipledV2>(const PathContext&, const Ray&, PathSampler&, Tile&,
+template void trace_path<false, PrincipledV2>(const PathContext&, const Ray&, const Hit&, PathSampler&, Tile&,
                                               std::vector<Vec3f>&);
-template void trace_path<true, PrincipledV2>(const PathContext&, const Ray&, PathSampler&, Tile&,
+template void trace_path<true, PrincipledV2>(const PathContext&, const Ray&, const Hit&, PathSampler&, Tile&,
                                              std::vector<Vec3f>&);
 
 }  // namespace ohb

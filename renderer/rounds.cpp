@@ -58,6 +58,7 @@ Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& 
     for (int y = px.y0; y < px.y1; ++y)
       for (int x = px.x0; x < px.x1; ++x, i += lights) act(x, y, &sums[i]);
   };
+  CameraRays camera;
   uint32_t next = ~0u, end = 0;
   each_pixel([&](int x, int y, Vec3f*) {
     const auto [first, last] = range_of(x, y);
@@ -74,15 +75,24 @@ Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& 
       const auto [first, last] = range_of(x, y);
       const uint64_t pixel = static_cast<uint64_t>(y) * picture.settings.size_px + x;
       const uint64_t rays_before = tile.rays.total();
-      for (uint32_t s = std::max(first, block.first); s < std::min(last, block.end); ++s) {
-        PathSampler sampler(paths.seed, pixel, s);
-        const Vec2f jitter = sampler.next_pair();
-        const bool centre = s == 0 && picture.settings.first_sample_at_centre;
-        const Ray ray = picture.view.ray(static_cast<float>(x) + (centre ? 0.5f : jitter.x),
-                                         static_cast<float>(y) + (centre ? 0.5f : jitter.y));
-        std::fill(radiance.begin(), radiance.end(), Vec3f{});
-        trace_path<kCutouts, Bsdf>(picture.context, ray, sampler, tile, radiance);
-        for (size_t l = 0; l < lights; ++l) sum[l] += radiance[l];
+      const uint32_t stop = std::min(last, block.end);
+      for (uint32_t s = std::max(first, block.first); s < stop;) {
+        camera.samplers.clear();
+        for (int i = 0; i < CameraRays::kMost && s < stop; ++i, ++s) {
+          PathSampler& sampler = camera.samplers.emplace_back(paths.seed, pixel, s);
+          const Vec2f jitter = sampler.next_pair();
+          const bool centre = s == 0 && picture.settings.first_sample_at_centre;
+          camera.rays[i] = picture.view.ray(static_cast<float>(x) + (centre ? 0.5f : jitter.x),
+                                            static_cast<float>(y) + (centre ? 0.5f : jitter.y));
+        }
+        camera.intersect_all<kCutouts>(picture.context.scene, tile.rays);
+        for (size_t i = 0; i < camera.samplers.size(); ++i) {
+          if (!camera.is_hit[i]) continue;  // the camera sees no background: it is transparent
+          std::fill(radiance.begin(), radiance.end(), Vec3f{});
+          trace_path<kCutouts, Bsdf>(picture.context, camera.rays[i], camera.hits[i], camera.samplers[i],
+                                     tile, radiance);
+          for (size_t l = 0; l < lights; ++l) sum[l] += radiance[l];
+        }
       }
       if (work) (*work)[pixel] += static_cast<float>(tile.rays.total() - rays_before);
     });

@@ -45,6 +45,14 @@ class Texels {
       alpha += tap.weight[i] * imath_half_to_float(surface_[tap.index[i]].values[3]);
     return alpha;
   }
+  /// Brings what surface() and normal() will read into the cache.
+  void prefetch(Vec2f uv) const {
+    const Tap tap = locate(uv);
+    for (const int corner : {0, 2}) {
+      __builtin_prefetch(&surface_[tap.index[corner]]);
+      if (has_normals()) __builtin_prefetch(&normals_[tap.index[corner]]);
+    }
+  }
   /// Tangent-space normal, signed, filtered and not normalised.
   Vec3f normal(Vec2f uv) const {
     const Tap tap = locate(uv);
