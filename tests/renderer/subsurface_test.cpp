@@ -82,14 +82,14 @@ TEST(Subsurface, SingleScatteringAlbedo) {
 TEST(Subsurface, FurnaceOnAHalfSpace) {
   RenderSettings settings;
   settings.size_px = 64;
-  settings.spp = 128;  // of four walks each
+  settings.spp = 64;  // of four walks each
   const auto furnace = [&](Vec3f albedo) {
     const auto scene = build_scene(plane_model(1000, constant_set(subsurface_material(albedo))));
     return render_lights(*scene, *prepare_lights({white_environment()}, {}), narrow_camera(500), 0,
                          settings)[0]
         .radiance;
   };
-  // Within four standard errors, which the independent pixels tell (false alarms: 1 in 3000 for all five),
+  // Within four standard errors, which the independent pixels tell (false alarms: 1 in 4000 for all four),
   // and the rounding of the published value.
   const auto expect_reflectance = [](const Image& image, int channel, double reflectance) {
     constexpr double kExit = 41.0 / 42, kRounding = 1e-4;
@@ -98,7 +98,7 @@ TEST(Subsurface, FurnaceOnAHalfSpace) {
     for (size_t i = static_cast<size_t>(channel); i < image.values.size(); i += 3)
       squares += std::pow(image.values[i] - mean, 2);
     const double standard_error = std::sqrt(squares / n / (n - 1));
-    EXPECT_LT(standard_error, 1e-3);
+    EXPECT_LT(standard_error, 1.5e-3);
     EXPECT_NEAR(mean, reflectance * kExit, 4 * standard_error + kRounding)
         << channel << ", standard error " << standard_error;
   };
@@ -106,10 +106,7 @@ TEST(Subsurface, FurnaceOnAHalfSpace) {
   expect_reflectance(low, 0, 0.2018);
   expect_reflectance(low, 1, 0.5046);
   expect_reflectance(low, 2, 0.810);
-  for (const float colour : {0.95f, 1.0f}) {
-    ++settings.seed;  // the same walks would do but for their scale
-    expect_reflectance(furnace({colour, colour, colour}), 0, 0.9185);
-  }
+  expect_reflectance(furnace({1, 1, 1}), 0, 0.9185);
   EXPECT_EQ(mean_of(furnace({0.5f, 0.5f, 0}), 2), 0);
 }
 
