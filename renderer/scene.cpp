@@ -55,6 +55,7 @@ Scene::Scene(const Model& model) : positions(model.positions_cm), bounds(bounds_
   self_hit_offset_cm = kOffsetUlps * (std::nextafter(largest, INFINITY) - largest);
   positions.push_back({});
 
+  sets.reserve(model.sets.size());
   for (const TextureSet& set : model.sets) sets.emplace_back(set);
   std::vector<uint32_t> order(model.triangles.size());
   for (uint32_t t = 0; t < order.size(); ++t) order[t] = t;
@@ -70,6 +71,9 @@ Scene::Scene(const Model& model) : positions(model.positions_cm), bounds(bounds_
       std::any_of(sets.begin(), sets.end(), [](const Texels& texels) { return texels.has_normals(); });
   std::vector<CornerTangent> corner_tangents;
   if (any_normal_map) corner_tangents = mikktspace_tangents(model, normals);
+  indices.reserve(3 * order.size());
+  attributes.reserve(order.size());
+  tangents.reserve(any_normal_map ? order.size() : 0);
   for (const uint32_t t : order) {
     const ModelTriangle& triangle = model.triangles[t];
     indices.insert(indices.end(), triangle.position, triangle.position + 3);

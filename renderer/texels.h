@@ -5,7 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
-#include <vector>
+#include <memory>
 
 #ifdef __F16C__
 #include <immintrin.h>
@@ -30,7 +30,7 @@ class Texels {
   explicit Texels(const TextureSet& set);
 
   bool has_alpha() const { return has_alpha_; }
-  bool has_normals() const { return !normals_.empty(); }
+  bool has_normals() const { return normals_ != nullptr; }
 
   SurfaceTexel surface(Vec2f uv) const {
     const Tap tap = locate(uv);
@@ -103,8 +103,8 @@ class Texels {
 
   int width_px_, height_px_;
   bool has_alpha_;
-  std::vector<HalfRecord> surface_;
-  std::vector<HalfNormal> normals_;
+  std::unique_ptr<HalfRecord[]> surface_;
+  std::unique_ptr<HalfNormal[]> normals_;  // null: no normal map
 };
 
 }  // namespace ohb

@@ -39,6 +39,8 @@ def main():
     options = parser.parse_args()
     temporary = tempfile.TemporaryDirectory()
     folder = options.folder or temporary.name
+    # Debian's Blender takes the first python3 in PATH for its own: it must be Debian's, which has numpy.
+    os.environ["PATH"] = "/usr/bin:" + os.environ["PATH"]
     blender = [options.blender, "-b", "-noaudio", "--factory-startup", "--python-exit-code", "1", "--python"]
     low, high = os.path.join(folder, "low.obj"), os.path.join(folder, "high.obj")
     if not os.path.exists(high):
