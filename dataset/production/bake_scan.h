@@ -23,7 +23,7 @@ struct BakeJob {
   double reach_cm = 0;           // BakeSource::reach_cm
   double max_missed_percent = 100 * kMaxMissedShare, max_overlap_percent = 100 * kMaxSourceOverlapShare;
   bool wants_object_normals = false;
-  bool keeps_seams = false;      // BakeOptions::mends_seams off
+  bool keeps_seams = false;  // BakeOptions::mends_seams off
   bool wants_mips = false;
   bool delights = false;         // divides the pictures by the light that is baked into them (delight.h)
   std::filesystem::path output;  // MODEL folder, written whole or not at all

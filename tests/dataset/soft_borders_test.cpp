@@ -44,7 +44,8 @@ TEST(SoftBorders, AreAsWideAsTheirPairOfClassesInAnyUnitAndFineness) {
         const double width = kBorderWidth_cm[left][right];
         for (double x_cm = 0.013; x_cm < 2; x_cm += 0.02) {
           const auto face = static_cast<uint32_t>(x_cm * faces_of_cm);
-          const ClassValues shares = borders.shares_at(face, face_class[face], {static_cast<float>(x_cm / unit_cm), 0.5f, 0});
+          const ClassValues shares =
+              borders.shares_at(face, face_class[face], {static_cast<float>(x_cm / unit_cm), 0.5f, 0});
           const double expected = std::clamp(0.5 + (x_cm - 1) / width, 0.0, 1.0);
           ASSERT_NEAR(shares[right], expected, 1e-4)
               << left << right << " " << unit_cm << " " << faces_of_cm << " " << x_cm;
