@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "renderer/embree_compat.h"
+#include "renderer/sampling.h"
 
 namespace ohb {
 namespace {
@@ -49,38 +50,21 @@ struct Occluders {
   Occluders& operator=(const Occluders&) = delete;
 };
 
-/// Two unit vectors that make a right-handed frame with n (Duff et al. 2017).
-void frame_around(Vec3f n, Vec3f& t, Vec3f& b) {
-  const float sign = std::copysign(1.0f, n.z), a = -1 / (sign + n.z), c = n.x * n.y * a;
-  t = {1 + sign * n.x * n.x * a, sign * c, -sign * n.x};
-  b = {c, sign + n.y * n.y * a, -n.y};
-}
-
 float fraction(double x) {
   return static_cast<float>(x - std::floor(x));
-}
-
-/// Van der Corput's sequence in base 2.
-float radical_inverse(uint32_t i) {
-  i = (i << 16) | (i >> 16);
-  i = ((i & 0x00ff00ffu) << 8) | ((i & 0xff00ff00u) >> 8);
-  i = ((i & 0x0f0f0f0fu) << 4) | ((i & 0xf0f0f0f0u) >> 4);
-  i = ((i & 0x33333333u) << 2) | ((i & 0xccccccccu) >> 2);
-  i = ((i & 0x55555555u) << 1) | ((i & 0xaaaaaaaau) >> 1);
-  return static_cast<float>(i >> 8) * 0x1p-24f;
 }
 
 Vec3f irradiance_at(const Occluders& occluders, const Model& mesh, const std::vector<Vec3f>& glow, uint32_t p,
                     Vec3f normal, float start_cm, int rays) {
   const float turn_x = fraction(p * 0.7548776662466927), turn_y = fraction(p * 0.5698402909980532);
-  Vec3f t, b, sum{0, 0, 0};
-  frame_around(normal, t, b);
+  const Frame frame(normal);
+  Vec3f sum{0, 0, 0};
   const Vec3f origin = mesh.positions_cm[p] + start_cm * normal;
   for (int i = 0; i < rays; ++i) {
     const float u = fraction((i + 0.5) / rays + turn_x);
-    const float phi = 6.2831853f * fraction(radical_inverse(static_cast<uint32_t>(i)) + turn_y);
-    const float radius = std::sqrt(u), z = std::sqrt(1 - u);
-    const Vec3f d = radius * std::cos(phi) * t + radius * std::sin(phi) * b + z * normal;
+    // Van der Corput's sequence in base 2 beside the regular one: Hammersley's points, turned.
+    const float v = static_cast<float>(reverse_bits(static_cast<uint32_t>(i)) >> 8) * 0x1p-24f;
+    const Vec3f d = frame.to_world(sample_cosine_hemisphere(u, fraction(v + turn_y)));
     RTCRayHit r{};
     r.ray.org_x = origin.x, r.ray.org_y = origin.y, r.ray.org_z = origin.z;
     r.ray.dir_x = d.x, r.ray.dir_y = d.y, r.ray.dir_z = d.z;

@@ -66,7 +66,8 @@ struct BsdfValue8 {
   Float8 pdf = 0;
 };
 
-constexpr float kRoughAlpha2 = 0.0081f;  // roughness 0.3
+/// From roughness 0.3 on a highlight is wide enough to be found by the lights' own directions.
+constexpr float kRoughAlpha2 = 0.0081f;
 
 class PrincipledV1 {
  public:
@@ -168,7 +169,7 @@ class PrincipledV1 {
     return result;
   }
 
-  /// Wide enough lobes to be left to the lights' own directions.
+  /// No lobe is too narrow to be left to the lights' own directions.
   bool is_rough() const { return !has_specular_ || alpha2_ >= kRoughAlpha2; }
   bool is_black() const { return !has_diffuse_ && !has_specular_; }
 

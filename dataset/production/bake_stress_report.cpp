@@ -106,13 +106,8 @@ void draw_bake_stress(const std::vector<BakeStressCaseResult>& results, const st
   script +=
       "set grid lc rgb '#dddddd'\nset key inside top center maxrows 2 font ',9'\nset logscale y\n"
       "set yrange [0.0008:200]\nset offsets graph 0.05, graph 0.05, 0, 0\n";
-  const size_t rows = (results.size() + 1) / 2, height = 300 * rows;
-  const std::string layout = fmt::format("set multiplot layout {},2\n{}unset multiplot\n", rows, panels);
-  script +=
-      fmt::format("set terminal svg size 1200,{} background rgb 'white'\nset output 'chart.svg'\n", height) +
-      layout;
-  script += fmt::format("set terminal pngcairo size 1200,{}\nset output 'chart.png'\n", height) + layout;
-  run_gnuplot(script, folder);
+  const size_t rows = (results.size() + 1) / 2;
+  draw_panels(script, panels, rows, 2, 1200, 300 * rows, folder);
 }
 
 }  // namespace ohb

@@ -1,5 +1,7 @@
 #include "renderer/validation/gnuplot.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "dataset/model/atomic_file.h"
@@ -26,6 +28,19 @@ void run_gnuplot(const std::string& script, const fs::path& folder) {
   for (const std::string& line : result.last_lines)
     if (line.find_first_not_of(" ^\t") != std::string::npos) message = line;
   throw InputError("gnuplot", "chart.gp", "failed: " + message, "install gnuplot-nox 5.4 or later");
+}
+
+void draw_panels(const std::string& settings, const std::string& panels, size_t rows, int columns,
+                 int width_px, size_t height_px, const fs::path& folder) {
+  const std::string layout =
+      fmt::format("set multiplot layout {},{}\n{}unset multiplot\n", rows, columns, panels);
+  std::string script = settings;
+  script += fmt::format("set terminal svg size {},{} background rgb 'white'\nset output 'chart.svg'\n",
+                        width_px, height_px) +
+            layout;
+  script +=
+      fmt::format("set terminal pngcairo size {},{}\nset output 'chart.png'\n", width_px, height_px) + layout;
+  run_gnuplot(script, folder);
 }
 
 }  // namespace ohb

@@ -118,14 +118,7 @@ void draw_stress(const std::vector<StressCaseResult>& results, const std::filesy
   }
   script +=
       "set grid\nset key outside right top\nset offsets graph 0.05, graph 0.05, graph 0.15, graph 0.15\n";
-  const std::string layout =
-      fmt::format("set multiplot layout {},2\n{}unset multiplot\n", results.size(), panels);
-  const size_t height = 260 * results.size();
-  script +=
-      fmt::format("set terminal svg size 1100,{} background rgb 'white'\nset output 'chart.svg'\n", height) +
-      layout;
-  script += fmt::format("set terminal pngcairo size 1100,{}\nset output 'chart.png'\n", height) + layout;
-  run_gnuplot(script, folder);
+  draw_panels(script, panels, results.size(), 1, 1100, 260 * results.size(), folder);
 }
 
 }  // namespace ohb

@@ -9,6 +9,7 @@
 #include "bake/ambient_light.h"
 #include "dataset/model/camera.h"
 #include "renderer/render.h"
+#include "tests/bake/test_scans.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/test_files.h"
 #include "tests/support/test_models.h"
@@ -75,25 +76,6 @@ struct Bumps {
   }
 };
 
-Scan scan_of(const Model& model, const std::filesystem::path& picture) {
-  Scan scan;
-  scan.file = "bumps.obj";
-  scan.positions = model.positions_cm;
-  scan.uvs = model.uvs;
-  scan.groups = {"all"};
-  scan.face_begin = {0};
-  for (const ModelTriangle& triangle : model.triangles) {
-    for (int c = 0; c < 3; ++c) scan.corners.push_back({triangle.position[c], triangle.uv[c]});
-    scan.face_begin.push_back(static_cast<uint32_t>(scan.corners.size()));
-    scan.face_material.push_back(0);
-    scan.face_group.push_back(0);
-  }
-  scan.materials.resize(1);
-  scan.materials[0].name = "all";
-  scan.materials[0].diffuse = {picture, nullptr};
-  return scan;
-}
-
 /// Root mean square over the texels 4 px inside the sheet of the relative error against the albedo, each
 /// picture scaled to its mean: exposure is nobody's business.
 double error_of(const Image& picture, const Bumps& bumps) {
@@ -126,7 +108,8 @@ struct Delit {
 Delit delight_of(const Bumps& bumps, const Image& picture) {
   const TemporaryFolder folder;
   write_exr(folder / "p.exr", {{"p", {"R", "G", "B"}, ExrPart::Type::kFloat, picture}}, {});
-  Scan scan = scan_of(bumps.model, folder / "p.exr");
+  Scan scan = scan_of_model(bumps.model, "bumps.obj");
+  scan.materials[0].diffuse = {folder / "p.exr", nullptr};
   const Regions regions{std::vector<uint8_t>(scan.face_count(), kSkin), std::string(64, '0')};
   Delit result{delight(scan, regions, 1, folder.path()), error_of(picture, bumps), 0};
   result.after = error_of(read_image(scan.materials[0].diffuse), bumps);

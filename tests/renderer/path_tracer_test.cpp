@@ -121,6 +121,40 @@ TEST(PathTracer, EachLightOfOnePassEqualsThatLightAlone) {
   EXPECT_NEAR(mean_of(together[2].radiance, 1) / mean_of(alone2[0].radiance, 1), 1, 5e-3);
 }
 
+TEST(PathTracer, EndingAtRoughSurfacesIsUnbiased) {
+  // Both rough and narrow highlights, and skin; each image's mean within five standard errors of their
+  // difference over the seeds.
+  for (const float roughness : {0.2f, 0.6f})
+    for (const float sss : {0.0f, 0.5f}) {
+      TestMaterial material;
+      material.roughness = roughness;
+      material.sss = sss;
+      const Model ball = sphere_model(50, 64, constant_set(material));
+      const auto scene = build_scene(ball);
+      const auto lights = prepare_lights({sunny_environment(300)}, {});
+      constexpr int kSeeds = 16;
+      double sum = 0, squares = 0, mean = 0;
+      for (uint64_t k = 0; k < kSeeds; ++k) {
+        RenderSettings settings;
+        settings.size_px = 16;
+        settings.spp = 64;
+        settings.max_bounces = 0;
+        double means[2];
+        for (const bool ends : {false, true}) {
+          settings.seed = 1 + 2 * k + ends;
+          settings.ends_at_rough_surfaces = ends;
+          means[ends] = mean_of(
+              render_lights(*scene, *lights, fit_camera(ball.positions_cm), 0, settings)[0].radiance, 0);
+        }
+        const double difference = means[1] - means[0];
+        sum += difference, squares += difference * difference, mean += means[0] / kSeeds;
+      }
+      const double error = std::sqrt((squares - sum * sum / kSeeds) / (kSeeds - 1) / kSeeds);
+      EXPECT_LT(error, 0.01 * mean);
+      EXPECT_NEAR(sum / kSeeds, 0, 5 * error) << roughness << " " << sss;
+    }
+}
+
 TEST(PathTracer, TwiceTheLightIsTwiceTheImageBitForBit) {
   const auto scene = build_scene(sphere_model(50, 32, constant_set({})));
   const Camera camera = fit_camera(sphere_model(50, 32, constant_set({})).positions_cm);
