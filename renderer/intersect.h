@@ -42,6 +42,16 @@ inline RTCRayHit embree_ray(const Ray& ray, float t_near, float t_far) {
   return r;
 }
 
+/// Where a ray that passes a hit at t goes on. Embree compares with a distance before its last rounding: from
+/// the next number on it may report the same hit again (one in a thousand), for ever if the ray does not move
+/// on. So this moves at each call, over subnormal numbers too, which count as 0; who counts hits must leave
+/// out those of the triangle passed last.
+inline float beyond(float t, float t_near) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  return std::fmax(std::nextafter(std::fmax(t, t_near), kInfinity), std::numeric_limits<float>::min());
+}
+constexpr uint32_t kNoTriangle = 0xffffffffu;
+
 /// Closest hit of one bounding volume hierarchy; false if there is none in [t_near, t_far].
 inline bool intersect_bvh(RTCScene bvh, uint32_t first_triangle, const Ray& ray, float t_near, float t_far,
                           Hit& hit) {
@@ -108,15 +118,17 @@ bool intersect(const Scene& scene, const Ray& ray, Random& random, RayCounts& co
   if constexpr (kCutouts) {
     if (found) t_far = hit.t;
     float t_near = 0;
+    uint32_t passed = kNoTriangle;
     Hit layer;
     record_ray(counts, ray, t_near, t_far, false, true);
     while (intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
-      const float alpha = alpha_at(scene, layer);
+      const float alpha = layer.triangle == passed ? 0 : alpha_at(scene, layer);
       if (alpha >= 1 || random.next() < alpha) {
         hit = layer;
         return true;
       }
-      t_near = std::nextafter(layer.t, t_far);
+      passed = layer.triangle;
+      t_near = beyond(layer.t, t_near);
       ++counts.closest_hit;
       record_ray(counts, ray, t_near, t_far, false, true);
     }
@@ -137,11 +149,13 @@ float transmittance(const Scene& scene, const Ray& ray, float t_far, RayCounts& 
   float light = 1;
   if constexpr (kCutouts) {
     float t_near = 0;
+    uint32_t passed = kNoTriangle;
     Hit layer;
     record_ray(counts, ray, t_near, t_far, false, true);
     while (light > 0 && intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
-      light *= 1 - std::fmin(1.0f, alpha_at(scene, layer));
-      t_near = std::nextafter(layer.t, std::numeric_limits<float>::infinity());
+      if (layer.triangle != passed) light *= 1 - std::fmin(1.0f, alpha_at(scene, layer));
+      passed = layer.triangle;
+      t_near = beyond(layer.t, t_near);
       ++counts.shadow;
       record_ray(counts, ray, t_near, t_far, false, true);
     }

@@ -34,13 +34,15 @@ void add_point(const Scene& scene, const ViewCamera& view, const Ray& ray, doubl
   Hit solid, layer;
   const bool has_solid = scene.opaque && intersect_bvh(scene.opaque, 0, ray, 0, kInfinity, solid);
   float visible = 1, t_near = 0;
+  uint32_t passed = kNoTriangle;
   const float t_far = has_solid ? solid.t : kInfinity;
   while (scene.cutout && visible > 0 &&
          intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
-    const float alpha = std::clamp(alpha_at(scene, layer), 0.0f, 1.0f);
+    const float alpha = layer.triangle == passed ? 0 : std::clamp(alpha_at(scene, layer), 0.0f, 1.0f);
     if (alpha > 0) add_layer(scene, view, ray, layer, visible * alpha, turn_rad, sums);
     visible *= 1 - alpha;
-    t_near = std::nextafter(layer.t, kInfinity);
+    passed = layer.triangle;
+    t_near = beyond(layer.t, t_near);
   }
   if (has_solid && visible > 0) add_layer(scene, view, ray, solid, visible, turn_rad, sums);
 }

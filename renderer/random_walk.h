@@ -147,7 +147,7 @@ bool intersect_solid(const Scene& scene, const Ray& ray, float t_far, uint32_t s
       record_ray(counts, ray, t_near, far, false, is_cutout);
       if (!intersect_bvh(bvh, first, ray, t_near, far, found)) return false;
       if (found.triangle != skip) break;
-      t_near = std::nextafter(found.t, std::numeric_limits<float>::infinity());
+      t_near = beyond(found.t, t_near);
     }
     hit = found;
     return true;
@@ -169,12 +169,12 @@ bool walk_under_surface(const Scene& scene, const SurfacePoint& entry, uint32_t 
   if (!(dot(entry.ng, ray.direction) < 0)) return false;
   RandomWalk walk(medium, entry.position, n);
   if (walk.is_over()) return false;
-  constexpr uint32_t kNone = 0xffffffffu;
   for (int segment = 0; segment < cycles::kMaxWalkSegments; ++segment) {
     const bool is_first = segment == 0;
     float t = is_first ? walk.first_length(random) : walk.next(ray.origin, random, ray.direction);
     const float t_far = is_first ? std::max(t, walk.search_cm()) : t;
-    bool is_hit = intersect_solid<kCutouts>(scene, ray, t_far, is_first ? triangle : kNone, counts, exit.hit);
+    bool is_hit =
+        intersect_solid<kCutouts>(scene, ray, t_far, is_first ? triangle : kNoTriangle, counts, exit.hit);
     if (is_first && is_hit && dot(geometric_normal(scene, exit.hit.triangle), entry.ng) < 0)
       walk.set_sheet(exit.hit.t * -dot(ray.direction, n));
     is_hit = is_hit && exit.hit.t < t;
