@@ -14,7 +14,10 @@ namespace ohb {
 
 constexpr int kCandidates = 8;         // directions of an environment that compete for a shadow ray
 constexpr float kCandidatesWorth = 3;  // in directions of the BSDF's own, measured; any value is unbiased
-constexpr int kWalks = 4;              // under the surface that the camera sees
+// The first surface that the camera sees sends several rays on: they share the way to it.
+constexpr int kWalks = 4;                    // under it
+constexpr int kReflections = 2;              // from it, where no walks are made
+constexpr int kShadowRays = 4;               // to one environment, where no walks are made
 constexpr float kLatticeStep = 0.61803399f;  // golden section: a lattice of any size is even
 constexpr int kRouletteFromBounce = 2;       // Cycles: the continuation test starts at the third surface
 
@@ -113,13 +116,31 @@ void sample_environment(const PathContext& c, const LightPool& pool, const Surfa
     add(chosen_value * (visible * sum / (chosen_weight * static_cast<float>(kCandidates))), radiance, tile);
 }
 
-/// `worth` of an environment's directions against the one that the BSDF will draw; infinite: it draws none.
+/// How many rays leave a surface, and how they count.
+struct Split {
+  int shadow_rays = 1;  // to each environment
+  int reflections = 1;
+  /// Of all directions that an environment suggests against one that the BSDF draws, in the heuristic;
+  /// infinite: it draws none.
+  float worth = kCandidatesWorth;
+
+  static Split none() { return {1, 0, std::numeric_limits<float>::infinity()}; }
+  /// At the first surface. Each further light makes shadow rays dearer against what they share.
+  static Split of_first(size_t environments) {
+    const int shadow_rays = environments <= 1 ? kShadowRays : environments <= 3 ? 2 : 1;
+    return {shadow_rays, kReflections, kCandidatesWorth * static_cast<float>(shadow_rays) / kReflections};
+  }
+};
+
 template <bool kCutouts, class Bsdf>
 void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, Vec3f throughput,
-                   const LightNumbers& u, float worth, Tile& tile, std::vector<Vec3f>& radiance) {
+                   const LightNumbers& u, const Split& split, Tile& tile, std::vector<Vec3f>& radiance) {
   // One set of numbers for all lights: each light's image is unbiased by itself.
+  const Vec3f share = throughput / static_cast<float>(split.shadow_rays);
   for (size_t l = 0; l < c.lights.environments.size(); ++l)
-    sample_environment<kCutouts>(c, tile.pools[l], point, bsdf, throughput, u, worth, tile, radiance[l]);
+    for (int k = 0; k < split.shadow_rays; ++k)
+      sample_environment<kCutouts>(c, tile.pools[l], point, bsdf, share, u.of(k, split.shadow_rays),
+                                   split.worth, tile, radiance[l]);
   for (size_t i = 0; i < c.lights.points.size(); ++i) {
     const PointLight& light = c.lights.points[i];
     const Vec3f to_light = turn_about_y(light.position_cm, -c.turn_rad) - point.position;
@@ -157,12 +178,12 @@ struct PathState {
 };
 
 /// The next segment of a path that reflects at `point`; false if it ends there.
-inline bool bounce_off(const PathContext& c, const SurfacePoint& point, const BsdfSample& next,
+inline bool bounce_off(const PathContext& c, const SurfacePoint& point, const BsdfSample& next, float worth,
                        PathState& state) {
   if (!(next.pdf > 0) || !(max_component(next.value) > 0)) return false;
   state.throughput *= next.value / next.pdf;
   state.bsdf_pdf = next.pdf;
-  state.lights_worth = next.is_hidden_highlight ? 1 : kCandidatesWorth;
+  state.lights_worth = next.is_hidden_highlight ? 1 : worth;
   state.diffuse_ancestor |= next.is_diffuse;
   ++state.bounce;
   state.ray = {ray_origin(c.scene, point.position, point.ng, next.wi), next.wi};
@@ -173,9 +194,6 @@ inline bool bounce_off(const PathContext& c, const SurfacePoint& point, const Bs
 template <class Bsdf>
 bool ends_at(const PathContext& c, const PathState& state, const Bsdf& bsdf) {
   return c.ends_at_rough_surfaces && state.bounce == c.max_bounces && bsdf.is_rough();
-}
-inline float worth_at(bool ends) {
-  return ends ? std::numeric_limits<float>::infinity() : kCandidatesWorth;
 }
 
 /// Where a walk goes under the surface, and where it goes on from its exit.
@@ -203,49 +221,63 @@ bool walk(const PathContext& c, const SurfacePoint& entry, const Bsdf& entry_bsd
   const SurfacePoint point = surface_at(c.scene, exit.hit, exit.direction);
   const Bsdf bsdf = exit_bsdf_at<Bsdf>(point, exit.direction);
   const bool ends = ends_at(c, state, bsdf);
-  sample_lights<kCutouts>(c, point, bsdf, state.throughput, numbers.light.of(k, n), worth_at(ends), tile,
-                          radiance);
+  const Split split = ends ? Split::none() : Split();
+  sample_lights<kCutouts>(c, point, bsdf, state.throughput, numbers.light.of(k, n), split, tile, radiance);
   if (ends) return false;
   const Vec2f u = lattice_point(numbers.direction, k, n);
-  return bounce_off(c, point, bsdf.sample(0, u.x, u.y), state);
+  return bounce_off(c, point, bsdf.sample(0, u.x, u.y), split.worth, state);
 }
 
-/// Paths that left the skin which the camera sees and still have a way to go.
-struct Walked {
-  PathState states[kWalks];
+/// Paths that left the first surface and still have a way to go.
+struct Branches {
+  PathState states[std::max(kWalks, kReflections)];
   int count = 0;
 };
 
-/// One surface: false if the path ends there. At the first, the walk under it does not compete with the
-/// reflection: this is followed, and several walks are, from `walked` on. They share the way to the surface,
-/// and skin is where the noise is.
+/// One surface: false if the path ends there. At the first, several reflections are followed, or one and
+/// several walks under it, with which it does not compete: all but the last of them from `branches` on.
 template <bool kCutouts, class Bsdf>
-bool scatter(const PathContext& c, const Hit& hit, PathState& state, Walked& walked, PathSampler& sampler,
+bool scatter(const PathContext& c, const Hit& hit, PathState& state, Branches& branches, PathSampler& sampler,
              Tile& tile, std::vector<Vec3f>& radiance) {
   const Vec3f wo = -state.ray.direction;
   const SurfacePoint point = surface_at(c.scene, hit, wo);
+  const bool is_first = state.bounce == 0;
   UnderSurface under = UnderSurface::kNone;
   if (c.subsurface && point.texel.sss > cycles::kLeastSubsurface)
     under = state.diffuse_ancestor ? UnderSurface::kDiffuse : UnderSurface::kWalk;
-  const Bsdf bsdf = bsdf_at<Bsdf>(point, wo, state.bounce == 0, under);
+  const Bsdf bsdf = bsdf_at<Bsdf>(point, wo, is_first, under);
   if (bsdf.is_black()) return false;
   const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
   const bool ends = ends_at(c, state, bsdf);
-  sample_lights<kCutouts>(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, worth_at(ends), tile,
+  const bool splits = is_first && under != UnderSurface::kWalk;
+  Split split = splits ? Split::of_first(c.lights.environments.size()) : Split();
+  if (ends) split = {split.shadow_rays, 0, Split::none().worth};
+  sample_lights<kCutouts>(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, tile,
                           radiance);
   if (ends && under != UnderSurface::kWalk) return false;
+  if (splits) {
+    for (int k = 0; k < split.reflections; ++k) {
+      const Vec2f direction = lattice_point(u, k, split.reflections);
+      const float lobe = (static_cast<float>(k) + across_and_lobe.y) / static_cast<float>(split.reflections);
+      PathState& one = branches.states[branches.count];
+      one = state;
+      one.throughput *= 1 / static_cast<float>(split.reflections);
+      branches.count += bounce_off(c, point, bsdf.sample(lobe, direction.x, direction.y), split.worth, one);
+    }
+    return false;
+  }
   const BsdfSample next = bsdf.sample(across_and_lobe.y, u.x, u.y);
-  if (under == UnderSurface::kWalk && state.bounce == 0) {
+  if (under == UnderSurface::kWalk && is_first) {
     const WalkMedium medium(point.texel);
     const WalkNumbers numbers(sampler);
     for (int k = 0; k < kWalks; ++k) {
-      PathState& one = walked.states[walked.count];
+      PathState& one = branches.states[branches.count];
       one = state;
       one.throughput *= 1.0f / kWalks;
-      walked.count += walk<kCutouts>(c, point, bsdf, hit.triangle, medium, numbers, k, kWalks, sampler.random,
-                                     tile, radiance, one);
+      branches.count += walk<kCutouts>(c, point, bsdf, hit.triangle, medium, numbers, k, kWalks,
+                                       sampler.random, tile, radiance, one);
     }
-    return !ends && !next.enters && bounce_off(c, point, next, state);
+    return !ends && !next.enters && bounce_off(c, point, next, split.worth, state);
   }
   if (next.enters) {
     // The walk's medium has the colour: the lobe's weight is only its share.
@@ -253,12 +285,12 @@ bool scatter(const PathContext& c, const Hit& hit, PathState& state, Walked& wal
     return walk<kCutouts>(c, point, bsdf, hit.triangle, WalkMedium(point.texel), WalkNumbers(sampler), 0, 1,
                           sampler.random, tile, radiance, state);
   }
-  return !ends && bounce_off(c, point, next, state);
+  return !ends && bounce_off(c, point, next, split.worth, state);
 }
 
 /// To the next surface and on from it: false if the path ends.
 template <bool kCutouts, class Bsdf>
-bool advance(const PathContext& c, PathState& state, Walked& walked, PathSampler& sampler, Tile& tile,
+bool advance(const PathContext& c, PathState& state, Branches& branches, PathSampler& sampler, Tile& tile,
              std::vector<Vec3f>& radiance) {
   Hit hit;
   if (!intersect<kCutouts>(c.scene, state.ray, sampler.random, tile.rays, hit)) {
@@ -272,7 +304,7 @@ bool advance(const PathContext& c, PathState& state, Walked& walked, PathSampler
     if (!(sampler.random.next() < survive)) return false;
     state.throughput *= 1 / survive;
   }
-  return scatter<kCutouts, Bsdf>(c, hit, state, walked, sampler, tile, radiance);
+  return scatter<kCutouts, Bsdf>(c, hit, state, branches, sampler, tile, radiance);
 }
 
 /// Camera rays of one pixel and what they meet.
@@ -311,12 +343,12 @@ template <bool kCutouts, class Bsdf>
 void trace_path(const PathContext& c, const Ray& camera_ray, const Hit& hit, PathSampler& sampler, Tile& tile,
                 std::vector<Vec3f>& radiance) {
   PathState state;
-  Walked walked;
+  Branches branches;
   state.ray = camera_ray;
-  bool goes_on = scatter<kCutouts, Bsdf>(c, hit, state, walked, sampler, tile, radiance);
-  while (goes_on || walked.count > 0) {
-    if (!goes_on) state = walked.states[--walked.count];
-    goes_on = advance<kCutouts, Bsdf>(c, state, walked, sampler, tile, radiance);
+  bool goes_on = scatter<kCutouts, Bsdf>(c, hit, state, branches, sampler, tile, radiance);
+  while (goes_on || branches.count > 0) {
+    if (!goes_on) state = branches.states[--branches.count];
+    goes_on = advance<kCutouts, Bsdf>(c, state, branches, sampler, tile, radiance);
   }
 }
 

@@ -40,8 +40,8 @@ struct RenderSettings {
   /// directions. Unbiased but for highlights from below the smooth surface (bsdf.h); for previews and kAuto.
   bool ends_at_rough_surfaces = false;
   /// spp becomes the mean over the pixels that see something, spent where the noise is: least mean squared
-  /// error for the work. Unbiased: an eighth of it goes into pilot images that are not used otherwise. From
-  /// 32 on.
+  /// error for the work. Unbiased: an eighth of it goes into pilot images, which enter the picture with a
+  /// fixed weight. From 32 on.
   bool adaptive = false;
   ShadingModel shading = ShadingModel::kV1;
   bool subsurface = true;  // false: skin reflects diffusely instead

@@ -9,15 +9,29 @@ namespace {
 
 // Pilots take an eighth of the work; with fewer paths than these they would tell nothing.
 constexpr int kPilots = 4, kPilotShare = 8, kLeastAdaptiveSpp = 32;
+// Of their mean in the picture: about what is best for an eighth of the paths, unstratified. Any number is
+// unbiased that does not depend on them.
+constexpr float kPilotWeight = 1.0f / 16;
 
-/// The same number for every pixel that may see something, or what pilots find out; the pilots' own images
-/// are not used for anything else, so that the budget does not depend on what it is spent on.
-std::vector<uint32_t> budget_of(const Picture& picture, RenderStatistics& statistics) {
+/// Budgets where pilots find the noise. What they cost the picture is given back in part: whatever budget
+/// they lead to, the picture's mean is the same, so a fixed mixture of both is unbiased.
+std::vector<SampleLight> render_adaptively(const Picture& picture, RenderStatistics& statistics,
+                                           const PixelsDone& done) {
   const RenderSettings& settings = picture.settings;
-  if (!settings.adaptive || settings.spp < kLeastAdaptiveSpp) return picture.even_budget(settings.spp);
   const int pilot_spp = settings.spp / (kPilotShare * kPilots);
-  return adaptive_budget(render_pilots(picture, kPilots, pilot_spp, statistics, nullptr), picture.seen,
-                         settings.size_px, settings.spp - kPilots * pilot_spp);
+  const Pilots pilots = render_pilots(picture, kPilots, pilot_spp, statistics, nullptr);
+  const std::vector<uint32_t> budget =
+      adaptive_budget(pilots, picture.seen, settings.size_px, settings.spp - kPilots * pilot_spp);
+  std::vector<SampleLight> images = render_round(picture, {settings.seed, budget}, statistics, done);
+  for (size_t l = 0; l < images.size(); ++l) {
+    std::vector<float>& values = images[l].radiance.values;
+    for (size_t i = 0; i < values.size(); ++i) {
+      float sum = 0;
+      for (const std::vector<SampleLight>& pilot : pilots.images) sum += pilot[l].radiance.values[i];
+      values[i] += kPilotWeight * (sum / kPilots - values[i]);
+    }
+  }
+  return images;
 }
 
 }  // namespace
@@ -29,8 +43,10 @@ std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& light
   const Picture picture(scene, lights, camera, turn_rad, settings);
   RenderStatistics unasked;
   RenderStatistics& counted = statistics ? *statistics : unasked;
-  const std::vector<uint32_t> budget = budget_of(picture, counted);
-  std::vector<SampleLight> images = render_round(picture, {settings.seed, budget}, counted, done);
+  const std::vector<uint32_t> even = picture.even_budget(settings.spp);
+  std::vector<SampleLight> images = settings.adaptive && settings.spp >= kLeastAdaptiveSpp
+                                        ? render_adaptively(picture, counted, done)
+                                        : render_round(picture, {settings.seed, even}, counted, done);
   counted.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return images;
 }

@@ -1,7 +1,8 @@
 // What a renderer's minute buys: 1 / (mean squared error x processor time), of one view without loading.
-// usage: efficiency_bench MODEL E.exr [SPP [SIZE_PX [adaptive]]]
+// usage: efficiency_bench MODEL E.exr [SPP [SIZE_PX [adaptive|even [diffuse]]]]
 #include <cstdio>
 #include <cstdlib>
+#include <string>
 
 #include "renderer/render.h"
 #include "renderer/validation/stopwatch.h"
@@ -9,7 +10,7 @@
 int main(int argc, char** argv) {
   using namespace ohb;
   if (argc < 3) {
-    std::fprintf(stderr, "usage: efficiency_bench MODEL E.exr [SPP [SIZE_PX [adaptive]]]\n");
+    std::fprintf(stderr, "usage: efficiency_bench MODEL E.exr [SPP [SIZE_PX [adaptive|even [diffuse]]]]\n");
     return 2;
   }
   constexpr int kSeeds = 8;
@@ -19,7 +20,8 @@ int main(int argc, char** argv) {
   RenderSettings settings;
   settings.spp = argc > 3 ? std::atoi(argv[3]) : 16;
   settings.size_px = argc > 4 ? std::atoi(argv[4]) : 256;
-  settings.adaptive = argc > 5;
+  settings.adaptive = argc > 5 && std::string(argv[5]) == "adaptive";
+  settings.subsurface = argc <= 6;
   std::vector<Image> images;
   const Stopwatch watch;
   RenderStatistics statistics;
