@@ -3,6 +3,8 @@
 
 # humanmaterial's precompiled headers would otherwise never hit the compiler cache.
 export CCACHE_SLOPPINESS=pch_defines,time_macros
+# A second checkout, as of continuous integration, finds what the first compiled.
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
 
 say() { printf '\n== %s\n' "$*"; }
 
