@@ -29,10 +29,9 @@ VERSIONS = {"v1": (3, 4), "v2": (4, 5)}
 IS_V2 = bpy.app.version >= (4, 0)
 LINEAR = "Linear Rec.709" if IS_V2 else "Linear"
 LEAST_SUBSURFACE = 1e-5
-# In 3.4 and 4.5. "tables" are Cycles' defaults: 256 patterns, the same whatever the seed, so that their error stays
-# in the mean over any number of seeds: up to 256 samples it is that of 65536 random points.
-SAMPLING_PATTERNS = {"tables": ("PROGRESSIVE_MULTI_JITTER", "TABULATED_SOBOL"),
-                     "scrambled": ("SOBOL", "SOBOL_BURLEY")}
+# Of Blender 3.4. "tables", its default, are 256 patterns, the same whatever the seed, so that their error stays in the
+# mean over any number of seeds: up to 256 samples it is that of 65536 random points.
+SAMPLING_PATTERNS = {"tables": "PROGRESSIVE_MULTI_JITTER", "scrambled": "SOBOL"}
 
 
 class Settings:
@@ -313,18 +312,15 @@ def set_cycles(settings, scene, description):
         "auto_scrambling_distance": False, "scrambling_distance": 1.0, "use_animated_seed": False,
         "pixel_filter_type": "BOX", "film_exposure": 1.0,
         "film_transparent_glass": False})
-    if IS_V2:   # shows the pattern that is not a table
-        preferences = bpy.context.preferences
-        preferences.view.show_developer_ui = preferences.experimental.use_cycles_debug = True
-    settings.set("scene.cycles", scene.cycles, "sampling_pattern",
-                 SAMPLING_PATTERNS[description["numbers"]][IS_V2])
+    if not IS_V2:
+        settings.set("scene.cycles", scene.cycles, "sampling_pattern", SAMPLING_PATTERNS[description["numbers"]])
 
 
 def set_later_options(settings, scene, threads):
     """What Blender 4.5 has besides."""
     settings.set_all("scene.cycles", scene.cycles, {
         "use_light_tree": False, "use_guiding": False, "use_sample_subset": False,
-        "direct_light_sampling_type": "MULTIPLE_IMPORTANCE_SAMPLING"})
+        "direct_light_sampling_type": "MULTIPLE_IMPORTANCE_SAMPLING", "sampling_pattern": "TABULATED_SOBOL"})
     settings.set("scene.view_settings", scene.view_settings, "use_white_balance", False)
     if bpy.app.module and threads > 0:   # Blender itself is told by -t
         settings.set_all("scene.render", scene.render, {"threads_mode": "FIXED", "threads": threads})
