@@ -161,6 +161,7 @@ void write_cycles_scene(const fs::path& folder, const CyclesScene& scene) {
                       {"turn", scene.turn_rad},
                       {"size_px", scene.size_px},
                       {"bounces", scene.max_bounces},
+                      {"numbers", scene.numbers == CyclesNumbers::kTables ? "tables" : "scrambled"},
                       {"passes", json::array()},
                       {"output", "renders"}};
   for (size_t i = 0; i < scene.model->sets.size(); ++i)

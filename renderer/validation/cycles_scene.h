@@ -23,6 +23,12 @@ struct CyclesPass {
 };
 constexpr int kMaxCyclesSpp = 8192;  // Cycles' sampling tables end there
 
+/// Where the random numbers of Cycles 3.4 come from. 4.5 keeps its default, tables of another make.
+enum class CyclesNumbers {
+  kScrambled,  // Sobol points that each seed, pixel and dimension scrambles anew: means over seeds converge
+  kTables,     // its default and faster: 256 fixed patterns that seeds only choose from
+};
+
 struct CyclesScene {
   const Model* model = nullptr;
   const Environment* environment = nullptr;  // null: black
@@ -33,6 +39,7 @@ struct CyclesScene {
   int max_bounces = 32;  // of every kind; cut-outs pass 256
   ShadingModel shading = ShadingModel::kV1;
   bool subsurface = true;  // false: diffuse reflection instead
+  CyclesNumbers numbers = CyclesNumbers::kScrambled;
   std::vector<CyclesPass> passes;
 };
 

@@ -19,7 +19,7 @@ class CyclesLadderV2 : public testing::Test {
   void expect_equal(Ladder ladder) const {
     ladder.shading = ShadingModel::kV2;
     ladder.spp = 256;
-    ohb::expect_equal(ladder, blender_, 0.002, 0.997);
+    ohb::expect_equal(ladder, blender_);
   }
 
  private:
