@@ -16,8 +16,9 @@ constexpr int kCandidates = 8;         // directions of an environment that comp
 constexpr float kCandidatesWorth = 3;  // in directions of the BSDF's own, measured; any value is unbiased
 // The first surface that the camera sees sends several rays on: they share the way to it.
 constexpr int kWalks = 4;                    // under it
-constexpr int kReflections = 2;              // from it, where no walks are made
-constexpr int kShadowRays = 4;               // to one environment, where no walks are made
+constexpr int kShadowRays = 4;               // to a single environment, where no walks are made
+constexpr int kReflections = 2;              // from rough surfaces without walks
+constexpr int kNarrowReflections = 4;        // from others, which find their highlights by reflections
 constexpr float kLatticeStep = 0.61803399f;  // golden section: a lattice of any size is even
 constexpr int kRouletteFromBounce = 2;       // Cycles: the continuation test starts at the third surface
 
@@ -126,9 +127,12 @@ struct Split {
 
   static Split none() { return {1, 0, std::numeric_limits<float>::infinity()}; }
   /// At the first surface. Each further light makes shadow rays dearer against what they share.
-  static Split of_first(size_t environments) {
-    const int shadow_rays = environments <= 1 ? kShadowRays : environments <= 3 ? 2 : 1;
-    return {shadow_rays, kReflections, kCandidatesWorth * static_cast<float>(shadow_rays) / kReflections};
+  static Split of_first(size_t environments, bool is_rough) {
+    const int shared = environments <= 1 ? 1 : environments <= 3 ? 2 : 4;
+    const int shadow_rays = std::max(1, kShadowRays / (is_rough ? shared : 2 * shared));
+    const int reflections = is_rough ? kReflections : kNarrowReflections;
+    return {shadow_rays, reflections,
+            kCandidatesWorth * static_cast<float>(shadow_rays) / static_cast<float>(reflections)};
   }
 };
 
@@ -230,7 +234,7 @@ bool walk(const PathContext& c, const SurfacePoint& entry, const Bsdf& entry_bsd
 
 /// Paths that left the first surface and still have a way to go.
 struct Branches {
-  PathState states[std::max(kWalks, kReflections)];
+  PathState states[std::max({kWalks, kReflections, kNarrowReflections})];
   int count = 0;
 };
 
@@ -250,7 +254,7 @@ bool scatter(const PathContext& c, const Hit& hit, PathState& state, Branches& b
   const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
   const bool ends = ends_at(c, state, bsdf);
   const bool splits = is_first && under != UnderSurface::kWalk;
-  Split split = splits ? Split::of_first(c.lights.environments.size()) : Split();
+  Split split = splits ? Split::of_first(c.lights.environments.size(), bsdf.is_rough()) : Split();
   if (ends) split = {split.shadow_rays, 0, Split::none().worth};
   sample_lights<kCutouts>(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, tile,
                           radiance);
