@@ -1,5 +1,6 @@
 #include "bake/bake.h"
 
+#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
@@ -189,8 +190,10 @@ BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const Materi
                           const BakeOptions& options, const std::filesystem::path& folder) {
   BakeReport report;
   const CanonicalMesh mesh = mesh_of(scan, regions, options, report);
-  const MeshFrames frames = frames_of(mesh.model);
-  const std::unique_ptr<SourceBake> source = source_of(mesh, frames, scan, options, report);
+  MeshFrames frames;
+  std::unique_ptr<SourceBake> source;
+  tbb::parallel_invoke([&] { frames = frames_of(mesh.model); },
+                       [&] { source = source_of(mesh, frames, scan, options, report); });
   const std::vector<std::string> folders = folders_of(mesh);
   report.sets.resize(folders.size());
   std::vector<TextureSetEntry> entries;
@@ -214,8 +217,10 @@ Model bake(const Scan& scan, const Regions& regions, const MaterialTable& table,
   BakeReport own;
   BakeReport& out = report ? *report : own;
   CanonicalMesh mesh = mesh_of(scan, regions, options, out);
-  const MeshFrames frames = frames_of(mesh.model);
-  const std::unique_ptr<SourceBake> source = source_of(mesh, frames, scan, options, out);
+  MeshFrames frames;
+  std::unique_ptr<SourceBake> source;
+  tbb::parallel_invoke([&] { frames = frames_of(mesh.model); },
+                       [&] { source = source_of(mesh, frames, scan, options, out); });
   const std::vector<std::string> folders = folders_of(mesh);
   out.sets.resize(folders.size());
   for (size_t i = 0; i < folders.size(); ++i) {
