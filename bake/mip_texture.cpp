@@ -43,7 +43,7 @@ int wrapped(int i, int size) {
 
 MipTexture::MipTexture(Image picture, std::vector<uint8_t> is_shown) : channels_(picture.channels) {
   for (const Image& level : padded_levels(std::move(picture), std::move(is_shown)))
-    levels_.push_back({level.width_px, level.height_px, halves_of(level.values)});
+    levels_.push_back({level.width_px, level.height_px, halves_of(level.values.data(), level.values.size())});
 }
 
 void MipTexture::add_bilinear(int level, Vec2f uv, float weight, float* out) const {

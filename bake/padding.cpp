@@ -98,20 +98,24 @@ int neighbour_in_half(int i, int half_size) {
 /// charts they are few.
 struct SparseLevel {
   int width_px, height_px;
-  std::vector<uint8_t> is_covered, is_read;  // 0 or 1
-  std::unique_ptr<float[]> values;           // only of texels that are read
+  const uint8_t* is_covered;            // 0 or 1
+  std::vector<uint8_t> covered_of_own;  // what it points to, but for the finest: that is the caller's
+  std::vector<uint8_t> is_read;         // 0 or 1
+  std::unique_ptr<float[]> values;      // only of texels that are read
   size_t at(int x, int y) const { return static_cast<size_t>(y) * width_px + x; }
 
-  SparseLevel(int width, int height) : width_px(width), height_px(height) {}
+  SparseLevel(int width, int height, const uint8_t* covered)
+      : width_px(width), height_px(height), is_covered(covered) {}
 
   SparseLevel half() const {
-    SparseLevel half((width_px + 1) / 2, (height_px + 1) / 2);
-    half.is_covered.resize(half.at(0, half.height_px));
-    half.is_read.resize(half.is_covered.size());
+    SparseLevel half((width_px + 1) / 2, (height_px + 1) / 2, nullptr);
+    half.covered_of_own.resize(half.at(0, half.height_px));
+    half.is_covered = half.covered_of_own.data();
+    half.is_read.resize(half.covered_of_own.size());
     tbb::parallel_for(0, half.height_px, [&](int y) {
       const uint8_t* const upper = &is_covered[at(0, 2 * y)];
       const uint8_t* const lower = &is_covered[at(0, std::min(2 * y + 1, height_px - 1))];
-      uint8_t* const out = &half.is_covered[half.at(0, y)];
+      uint8_t* const out = &half.covered_of_own[half.at(0, y)];
       for (int x = 0; x < width_px / 2; ++x)
         out[x] = upper[2 * x] | upper[2 * x + 1] | lower[2 * x] | lower[2 * x + 1];
       if (width_px % 2) out[half.width_px - 1] = upper[width_px - 1] | lower[width_px - 1];
@@ -205,12 +209,11 @@ void pad(Image& image, const std::vector<uint8_t>& is_covered) {
     return;
   }
   std::vector<SparseLevel> levels;
-  levels.emplace_back(image.width_px, image.height_px);
-  levels[0].is_covered = is_covered;
-  while (has(levels.back().is_covered, 0)) {
+  levels.emplace_back(image.width_px, image.height_px, is_covered.data());
+  do {
     levels.push_back(levels.back().half());
     levels[levels.size() - 2].mark_reads_of_holes(levels.back());
-  }
+  } while (has(levels.back().covered_of_own, 0));
   for (size_t l = levels.size() - 1; l-- > 1;) levels[l].mark_reads_of_means(levels[l + 1]);
   if (image.channels == 1) return pad_channels<1>(image, levels);
   if (image.channels == 3) return pad_channels<3>(image, levels);

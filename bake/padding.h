@@ -10,7 +10,7 @@ namespace ohb {
 /// Fills the texels where is_covered is 0 by pull-push (Gortler et al. 1996, "The lumigraph", section 3.4):
 /// averages of the covered texels are pulled down a pyramid of halved images, then pushed back up into the
 /// holes, bilinearly. Covered texels keep their exact value. If nothing is covered all becomes 0.
-/// is_covered: one byte a texel, 0 or 1, width x height. Memory: beyond 2 bytes a texel only what the holes
+/// is_covered: one byte a texel, 0 or 1, width x height. Memory: beyond a byte a texel only what the holes
 /// need, at most 0.34 of the image. Any thread count, same bits.
 void pad(Image& image, const std::vector<uint8_t>& is_covered);
 

@@ -9,8 +9,6 @@
 #include <immintrin.h>
 #endif
 
-#include "dataset/model/large_memory.h"
-
 namespace ohb {
 namespace {
 
@@ -37,19 +35,16 @@ __attribute__((target("avx,f16c"))) void convert_by_eight(const float* values, s
 
 }  // namespace
 
-std::vector<uint16_t> halves_of(const std::vector<float>& values) {
-  std::vector<uint16_t> halves;
-  halves.reserve(values.size());
-  prefer_large_pages(halves.data(), values.size() * sizeof(uint16_t));
-  halves.resize(values.size());
+std::vector<uint16_t> halves_of(const float* values, size_t count) {
+  std::vector<uint16_t> halves(count);
 #if defined(__x86_64__)
   const auto run = __builtin_cpu_supports("f16c") ? convert_by_eight : convert;
 #else
   const auto run = convert;
 #endif
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, values.size(), 1 << 16),
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 1 << 16),
                     [&](const tbb::blocked_range<size_t>& range) {
-                      run(values.data() + range.begin(), range.size(), halves.data() + range.begin());
+                      run(values + range.begin(), range.size(), halves.data() + range.begin());
                     });
   return halves;
 }

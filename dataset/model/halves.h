@@ -1,6 +1,7 @@
 // Half floats of many values at once.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -10,6 +11,6 @@ constexpr float kLargestHalf = 65504.0f;
 
 /// Rounded to the nearest, to even in the middle. Values beyond a half's range are clamped to it: infinities
 /// would come of them. NaN stays NaN. All threads.
-std::vector<uint16_t> halves_of(const std::vector<float>& values);
+std::vector<uint16_t> halves_of(const float* values, size_t count);
 
 }  // namespace ohb

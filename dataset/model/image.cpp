@@ -140,10 +140,21 @@ Image read_first_part(const OpenImage& open, ImageFileInfo* info) {
   return read_part(*open.input, 0, spec, open.file);
 }
 
-/// Halves are made here: OpenImageIO takes one thread and several times as long.
+/// Halves are made here, some rows at a time: OpenImageIO takes one thread and several times as long.
 bool write_values(OIIO::ImageOutput& output, const Image& image, ExrPart::Type type) {
   if (type == ExrPart::Type::kFloat) return output.write_image(OIIO::TypeDesc::FLOAT, image.values.data());
-  return output.write_image(OIIO::TypeDesc::HALF, halves_of(image.values).data());
+  constexpr int kRows = 512;  // whole tiles, and whole blocks of any compression
+  for (int y = 0; y < image.height_px; y += kRows) {
+    const int end = std::min(y + kRows, image.height_px);
+    const size_t count = static_cast<size_t>(end - y) * image.width_px * image.channels;
+    const std::vector<uint16_t> halves = halves_of(image.pixel(0, y), count);
+    const bool is_done =
+        output.spec().tile_width > 0
+            ? output.write_tiles(0, image.width_px, y, end, 0, 1, OIIO::TypeDesc::HALF, halves.data())
+            : output.write_scanlines(y, end, 0, OIIO::TypeDesc::HALF, halves.data());
+    if (!is_done) return false;
+  }
+  return true;
 }
 
 OIIO::ImageSpec spec_of(const ExrPart& part, const ExrAttributes& attributes) {

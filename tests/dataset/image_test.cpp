@@ -75,11 +75,12 @@ TEST(Halves, AreTheNearestOfEachValue) {
       values.push_back(value * factor);
   }
   for (float value : {1e-30f, -1e-30f, 1e6f, -1e6f, INFINITY, -INFINITY}) values.push_back(value);
-  const std::vector<uint16_t> halves = halves_of(values);
+  const std::vector<uint16_t> halves = halves_of(values.data(), values.size());
   for (size_t i = 0; i < values.size(); ++i)
     ASSERT_EQ(halves[i], imath_float_to_half(std::clamp(values[i], -kLargestHalf, kLargestHalf)))
         << values[i];
-  EXPECT_TRUE(std::isnan(imath_half_to_float(halves_of({NAN, 0, 0, 0, 0, 0, 0, 0})[0])));
+  const std::vector<float> nan(8, NAN);
+  EXPECT_TRUE(std::isnan(imath_half_to_float(halves_of(nan.data(), nan.size())[0])));
 }
 
 }  // namespace
