@@ -1,5 +1,6 @@
 #include "bake/bake.h"
 
+#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_pipeline.h>
 
 #include <algorithm>
@@ -107,15 +108,16 @@ std::unique_ptr<SourceBake> source_of(const CanonicalMesh& mesh, const MeshFrame
 
 using Jobs = std::vector<std::function<void()>>;
 
-/// Two at a time, each with all threads inside: a map is written while the next is made, and few are in
-/// memory at once.
-void run_in_pairs(const Jobs& jobs) {
+/// So many at a time, each with all threads inside: of two, a map is written while the next is made, and few
+/// are in memory at once.
+void run_jobs(const Jobs& jobs, size_t at_once) {
   size_t next = 0;
   tbb::parallel_pipeline(
-      2, tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& flow) {
-           if (next == jobs.size()) flow.stop();
-           return next++;
-         }) & tbb::make_filter<size_t, void>(tbb::filter_mode::parallel, [&](size_t job) { jobs[job](); }));
+      at_once,
+      tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& flow) {
+        if (next == jobs.size()) flow.stop();
+        return next++;
+      }) & tbb::make_filter<size_t, void>(tbb::filter_mode::parallel, [&](size_t job) { jobs[job](); }));
 }
 
 /// Makes the maps of kMapKinds and gives each to `use`, empty ones where the set has none.
@@ -125,6 +127,7 @@ Jobs map_jobs(SetBake& set, const std::function<void(const MapKind&, Image)>& us
                          [&](const MapKind& kind) { return kind.image == image; });
   };
   return {
+      [=, &set] { use(kind_of(&TextureSet::displacement), set.take_displacement()); },
       [=, &set] { use(kind_of(&TextureSet::albedo), set.take_albedo()); },
       [=, &set] { use(kind_of(&TextureSet::normal), set.take_normal()); },
       [=, &set] {
@@ -133,7 +136,6 @@ Jobs map_jobs(SetBake& set, const std::function<void(const MapKind&, Image)>& us
         std::array<Image, 3> maps = set.take_class_maps();
         for (int i = 0; i < 3; ++i) use(kind_of(kMaps[i]), std::move(maps[i]));
       },
-      [=, &set] { use(kind_of(&TextureSet::displacement), set.take_displacement()); },
       [=, &set] { use(kind_of(&TextureSet::alpha), set.take_alpha()); },
   };
 }
@@ -161,15 +163,19 @@ TextureSetEntry write_set(SetBake& set, const std::filesystem::path& folder, Tex
         write_texture_map(folder, kind, std::move(image), entry, std::move(mips));
   };
   make_folders(maps);
+  // The height and displacement of a source first: memory that the larger maps' levels then have.
   Jobs jobs = map_jobs(set, write);
-  jobs.push_back([&] {
+  jobs.insert(jobs.begin(), [&] {
     if (const ByteImage debug = set.debug(); !debug.values.empty()) write_png(maps / "debug.png", debug);
     write_extra_map(maps / "height.exr", "height", set.take_height());
   });
   jobs.push_back(
       [&] { write_extra_map(maps / "normal_object.exr", "normal_object", set.take_object_normal()); });
   jobs.push_back([&] { write_png(maps / "valid.png", set.valid()); });
-  run_in_pairs(jobs);
+  // Maps of 8192 x 8192 from a source leave room in 4 GiB for the levels of one.
+  constexpr size_t kMostTexelsInPairs = size_t{1} << 25;
+  const bool are_large = static_cast<size_t>(set.width_px()) * set.height_px() > kMostTexelsInPairs;
+  run_jobs(jobs, wants_mips && are_large ? 1 : 2);
   for (size_t i = 0; i < kMapKinds.size(); ++i)
     if (is_named[i]) entry.maps.push_back(kMapKinds[i].name);
   return entry;
@@ -189,8 +195,10 @@ BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const Materi
                           const BakeOptions& options, const std::filesystem::path& folder) {
   BakeReport report;
   const CanonicalMesh mesh = mesh_of(scan, regions, options, report);
-  const MeshFrames frames = frames_of(mesh.model);
-  const std::unique_ptr<SourceBake> source = source_of(mesh, frames, scan, options, report);
+  MeshFrames frames;
+  std::unique_ptr<SourceBake> source;
+  tbb::parallel_invoke([&] { frames = frames_of(mesh.model); },
+                       [&] { source = source_of(mesh, frames, scan, options, report); });
   const std::vector<std::string> folders = folders_of(mesh);
   report.sets.resize(folders.size());
   std::vector<TextureSetEntry> entries;
@@ -214,16 +222,18 @@ Model bake(const Scan& scan, const Regions& regions, const MaterialTable& table,
   BakeReport own;
   BakeReport& out = report ? *report : own;
   CanonicalMesh mesh = mesh_of(scan, regions, options, out);
-  const MeshFrames frames = frames_of(mesh.model);
-  const std::unique_ptr<SourceBake> source = source_of(mesh, frames, scan, options, out);
+  MeshFrames frames;
+  std::unique_ptr<SourceBake> source;
+  tbb::parallel_invoke([&] { frames = frames_of(mesh.model); },
+                       [&] { source = source_of(mesh, frames, scan, options, out); });
   const std::vector<std::string> folders = folders_of(mesh);
   out.sets.resize(folders.size());
   for (size_t i = 0; i < folders.size(); ++i) {
     out.sets[i].folder = folders[i];
     SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, frames, source.get(), out.sets[i]);
     TextureSet& maps = mesh.model.sets[i];
-    run_in_pairs(
-        map_jobs(set, [&](const MapKind& kind, Image image) { maps.*kind.image = std::move(image); }));
+    run_jobs(map_jobs(set, [&](const MapKind& kind, Image image) { maps.*kind.image = std::move(image); }),
+             2);
     maps.valid = image_of_valid(set.valid());
   }
   return std::move(mesh.model);

@@ -1,29 +1,18 @@
 #include "bake/mip_texture.h"
 
 #include <Imath/half.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "bake/padding.h"
+#include "dataset/model/halves.h"
 
 namespace ohb {
 namespace {
 
 /// Footprints this close to one pixel are one pixel: rounding must not blur a mesh baked onto itself.
 constexpr float kOnePixel = 1.02f;
-constexpr float kLargestHalf = 65504.0f;
-
-std::vector<uint16_t> halves_of(const Image& image) {
-  std::vector<uint16_t> halves(image.values.size());
-  const size_t row = static_cast<size_t>(image.width_px) * image.channels;
-  tbb::parallel_for(0, image.height_px, [&](int y) {
-    for (size_t i = y * row; i < (y + 1) * row; ++i)
-      halves[i] = imath_float_to_half(std::clamp(image.values[i], -kLargestHalf, kLargestHalf));
-  });
-  return halves;
-}
 
 /// The axes of the ellipse that a unit circle becomes: lengths, and the direction of the longer one.
 struct Ellipse {
@@ -54,7 +43,7 @@ int wrapped(int i, int size) {
 
 MipTexture::MipTexture(Image picture, std::vector<uint8_t> is_shown) : channels_(picture.channels) {
   for (const Image& level : padded_levels(std::move(picture), std::move(is_shown)))
-    levels_.push_back({level.width_px, level.height_px, halves_of(level)});
+    levels_.push_back({level.width_px, level.height_px, halves_of(level.values.data(), level.values.size())});
 }
 
 void MipTexture::add_bilinear(int level, Vec2f uv, float weight, float* out) const {

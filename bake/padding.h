@@ -10,7 +10,8 @@ namespace ohb {
 /// Fills the texels where is_covered is 0 by pull-push (Gortler et al. 1996, "The lumigraph", section 3.4):
 /// averages of the covered texels are pulled down a pyramid of halved images, then pushed back up into the
 /// holes, bilinearly. Covered texels keep their exact value. If nothing is covered all becomes 0.
-/// is_covered: one byte a texel, width x height. Memory: about 0.6 of the image. Any thread count, same bits.
+/// is_covered: one byte a texel, 0 or 1, width x height. Memory: beyond a byte a texel only what the holes
+/// need, at most 0.34 of the image. Any thread count, same bits.
 void pad(Image& image, const std::vector<uint8_t>& is_covered);
 
 /// As pad for unit vectors of a tangent-space normal map: what it fills is normalised, and (0,0,1) where

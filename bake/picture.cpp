@@ -179,6 +179,20 @@ void Resampler::texel(int x, int y, float* out) const {
   }
 }
 
+uint8_t Resampler::common_byte(int x, int y, const std::vector<uint8_t>& of_pixel, uint8_t none) const {
+  const auto byte_of = [&](int column, int row) {
+    return of_pixel[static_cast<size_t>(repeated(row, picture_.height_px)) * picture_.width_px +
+                    repeated(column, picture_.width_px)];
+  };
+  const int height = static_cast<int>(rows_.begin[y + 1] - rows_.begin[y]);
+  const int width = static_cast<int>(columns_.begin[x + 1] - columns_.begin[x]);
+  const uint8_t first = byte_of(columns_.first[x], rows_.first[y]);
+  for (int j = 0; j < height; ++j)
+    for (int i = 0; i < width; ++i)
+      if (byte_of(columns_.first[x] + i, rows_.first[y] + j) != first) return none;
+  return first;
+}
+
 Image resample(Image picture, int width_px, int height_px, const ResampleWeights& weights) {
   if (picture.width_px == width_px && picture.height_px == height_px) return picture;
   const Resampler resampler(picture, width_px, height_px, weights);

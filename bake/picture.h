@@ -41,6 +41,8 @@ class Resampler {
   Resampler(const Image& picture, int width_px, int height_px, const ResampleWeights& weights);
   /// `out`: as many values as the picture has channels.
   void texel(int x, int y, float* out) const;
+  /// Of one byte a pixel of the picture: the one that all pixels have which the texel reads, or `none`.
+  uint8_t common_byte(int x, int y, const std::vector<uint8_t>& of_pixel, uint8_t none) const;
 
  private:
   /// The pixels that the texels along one axis read.

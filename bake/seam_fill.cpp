@@ -157,10 +157,9 @@ SeamBand::SeamBand(const std::vector<Seam>& seams, const std::vector<uint8_t>& i
   for (const std::vector<Carried>& rows : carried) carried_.insert(carried_.end(), rows.begin(), rows.end());
 }
 
-std::vector<uint8_t> SeamBand::fill(Image& map, const std::vector<uint8_t>& is_covered,
-                                    bool is_normals) const {
-  std::vector<uint8_t> is_filled = is_covered;
-  const int channels = map.channels;
+template <int kChannels>
+void SeamBand::fill_channels(Image& map, const std::vector<uint8_t>& is_covered, bool is_normals,
+                             std::vector<uint8_t>& is_filled) const {
   tbb::parallel_for(
       tbb::blocked_range<size_t>(0, carried_.size(), 4096), [&](const tbb::blocked_range<size_t>& range) {
         for (size_t i = range.begin(); i < range.end(); ++i) {
@@ -172,8 +171,8 @@ std::vector<uint8_t> SeamBand::fill(Image& map, const std::vector<uint8_t>& is_c
           bool is_known = true;
           for (int k = 0; k < 4; ++k) {
             is_known = is_known && is_covered[reads.texel[k]];
-            for (int c = 0; c < channels; ++c)
-              value[c] += weights[k] * map.values[reads.texel[k] * channels + c];
+            for (int c = 0; c < kChannels; ++c)
+              value[c] += weights[k] * map.values[reads.texel[k] * kChannels + c];
           }
           if (!is_known) continue;
           if (is_normals) {
@@ -183,10 +182,19 @@ std::vector<uint8_t> SeamBand::fill(Image& map, const std::vector<uint8_t>& is_c
             value = to_tangent_space(value.x * f.tangent + value.y * f.bitangent + value.z * f.normal,
                                      g.tangent, g.normal, here.sign);
           }
-          for (int c = 0; c < channels; ++c) map.values[size_t{to.texel} * channels + c] = value[c];
+          for (int c = 0; c < kChannels; ++c) map.values[size_t{to.texel} * kChannels + c] = value[c];
           is_filled[to.texel] = 1;
         }
       });
+}
+
+std::vector<uint8_t> SeamBand::fill(Image& map, const std::vector<uint8_t>& is_covered,
+                                    bool is_normals) const {
+  std::vector<uint8_t> is_filled = is_covered;
+  if (map.channels == 1)
+    fill_channels<1>(map, is_covered, is_normals, is_filled);
+  else
+    fill_channels<3>(map, is_covered, is_normals, is_filled);
   return is_filled;
 }
 

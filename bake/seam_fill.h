@@ -47,6 +47,9 @@ class SeamBand {
     float right, down;
     float along;  // of the edge, 0 to 1
   };
+  template <int kChannels>
+  void fill_channels(Image& map, const std::vector<uint8_t>& is_covered, bool is_normals,
+                     std::vector<uint8_t>& is_filled) const;
   std::vector<uint32_t> claim_texels(const RowBand& band, const std::vector<uint8_t>& is_face) const;
   std::vector<Carried> carried_in(const RowBand& band, const std::vector<uint8_t>& is_face) const;
 

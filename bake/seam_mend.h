@@ -44,9 +44,9 @@ class SeamMender {
     float step;  // what a difference of 1 moves each block by, times its weight and give
   };
   struct Block {
-    uint32_t index;                 // row x columns + column of its level
-    uint32_t part_of[kMostLevels];  // the block of each coarser level, or kNone
-    float background;               // share of its texels
+    uint32_t index;    // row x columns + column of its level
+    uint32_t part_of;  // the block of the coarser level, or kNone
+    float background;  // share of its texels
     float give;
     uint8_t level;
   };
@@ -57,6 +57,7 @@ class SeamMender {
   std::vector<Place> places_of(uint32_t seam, int level) const;
   void collect_places();
   void link_blocks();
+  void order_blocks();
 
   const std::vector<Seam>& seams_;
   const std::vector<uint8_t>& is_inside_;
@@ -64,7 +65,7 @@ class SeamMender {
   std::vector<Place> places_;  // edge by edge, coarse levels first
   std::vector<uint8_t> place_level_;
   std::vector<size_t> place_begin_;  // of each edge, and the end
-  std::vector<Block> blocks_;        // level by level
+  std::vector<Block> blocks_;        // level by level, in the order in which the places read them
   size_t texels_end_ = 0;            // blocks_ before it are of level 0
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "dataset/model/colour.h"
 
@@ -49,22 +50,76 @@ int wrapped(int i, int size) {
   return rest < 0 ? rest + size : rest;
 }
 
-Image half_of(const Image& image) {
-  Image half((image.width_px + 1) / 2, (image.height_px + 1) / 2, image.channels);
-  tbb::parallel_for(0, half.height_px, [&](int y) {
-    for (int x = 0; x < half.width_px; ++x) {
-      float* const out = half.pixel(x, y);
-      int count = 0;
-      for (int sy = 2 * y; sy < std::min(2 * y + 2, image.height_px); ++sy)
-        for (int sx = 2 * x; sx < std::min(2 * x + 2, image.width_px); ++sx, ++count)
-          for (int c = 0; c < image.channels; ++c) out[c] += image.pixel(sx, sy)[c];
-      for (int c = 0; c < image.channels; ++c) out[c] /= static_cast<float>(count);
-    }
-  });
-  return half;
+/// The blocks of one mip level, of which only those are made that the lookups at seams read, or blocks of a
+/// coarser level that they read.
+struct SparseLevel {
+  int width_px, height_px, channels;
+  std::vector<uint8_t> is_read;
+  std::unique_ptr<float[]> made;  // none at level 0, which is the map
+  const float* values;
+
+  SparseLevel(const Image& map, int level)
+      : width_px((map.width_px + (1 << level) - 1) >> level),
+        height_px((map.height_px + (1 << level) - 1) >> level),
+        channels(map.channels) {
+    if (level > 0) is_read.resize(static_cast<size_t>(width_px) * height_px);
+    if (level > 0) made.reset(new float[is_read.size() * channels]);
+    values = level > 0 ? made.get() : map.values.data();
+  }
+  const float* pixel(int x, int y) const {
+    return &values[(static_cast<size_t>(y) * width_px + x) * channels];
+  }
+
+  void mark_blocks_of(const SparseLevel& coarser) {
+    tbb::parallel_for(0, height_px, [&](int y) {
+      for (int x = 0; x < width_px; ++x)
+        is_read[static_cast<size_t>(y) * width_px + x] |=
+            coarser.is_read[static_cast<size_t>(y / 2) * coarser.width_px + x / 2];
+    });
+  }
+
+  /// Each block is the mean of its 2 x 2 finer ones (fewer at odd borders).
+  void halve(const SparseLevel& finer) {
+    tbb::parallel_for(0, height_px, [&](int y) {
+      for (int x = 0; x < width_px; ++x) {
+        const size_t block = static_cast<size_t>(y) * width_px + x;
+        if (!is_read[block]) continue;
+        float* const out = &made[block * channels];
+        std::fill(out, out + channels, 0.0f);
+        int count = 0;
+        for (int sy = 2 * y; sy < std::min(2 * y + 2, finer.height_px); ++sy)
+          for (int sx = 2 * x; sx < std::min(2 * x + 2, finer.width_px); ++sx, ++count)
+            for (int c = 0; c < channels; ++c) out[c] += finer.pixel(sx, sy)[c];
+        for (int c = 0; c < channels; ++c) out[c] /= static_cast<float>(count);
+      }
+    });
+  }
+};
+
+float along_of(int point) {
+  return (static_cast<float>(point) + 0.5f) / kSeamPoints;
 }
 
-Vec3f value_at(const Image& level, const SeamLookup& lookup) {
+/// The first `count` mip levels of a map where lookups at seams read them.
+std::vector<SparseLevel> levels_at_seams(const Image& map, const std::vector<Seam>& seams, int count) {
+  std::vector<SparseLevel> levels;
+  for (int l = 0; l < count; ++l) levels.emplace_back(map, l);
+  tbb::parallel_for(1, std::max(1, count), [&](int l) {
+    for (const Seam& seam : seams)
+      for (const SeamSide& side : seam.side)
+        for (int i = 0; i < kSeamPoints; ++i) {
+          const SeamLookup lookup = lookup_at(side, along_of(i), l, map.width_px, map.height_px);
+          for (int row : lookup.row)
+            for (int column : lookup.column)
+              levels[l].is_read[static_cast<size_t>(row) * levels[l].width_px + column] = 1;
+        }
+  });
+  for (int l = count - 1; l > 1; --l) levels[l - 1].mark_blocks_of(levels[l]);
+  for (int l = 1; l < count; ++l) levels[l].halve(levels[l - 1]);
+  return levels;
+}
+
+Vec3f value_at(const SparseLevel& level, const SeamLookup& lookup) {
   Vec3f value;
   for (int j = 0; j < 2; ++j)
     for (int i = 0; i < 2; ++i)
@@ -168,16 +223,15 @@ std::vector<SeamError> seam_errors(const Image& map, const std::vector<Seam>& se
                                    int levels) {
   std::vector<SeamError> errors;
   std::vector<float> differences(seams.size() * kSeamPoints);
-  Image halved;
+  const std::vector<SparseLevel> made = levels_at_seams(map, seams, levels);
   for (int level = 0; level < levels; ++level) {
-    if (level > 0) halved = half_of(level == 1 ? map : halved);
-    const Image& image = level == 0 ? map : halved;
     tbb::parallel_for(size_t{0}, seams.size(), [&](size_t s) {
       for (int i = 0; i < kSeamPoints; ++i) {
-        const float along = (static_cast<float>(i) + 0.5f) / kSeamPoints;
+        const float along = along_of(i);
         Vec3f value[2];
         for (int k = 0; k < 2; ++k)
-          value[k] = value_at(image, lookup_at(seams[s].side[k], along, level, map.width_px, map.height_px));
+          value[k] =
+              value_at(made[level], lookup_at(seams[s].side[k], along, level, map.width_px, map.height_px));
         differences[s * kSeamPoints + i] =
             static_cast<float>(difference(value[0], value[1], seams[s], along, map.channels, values));
       }

@@ -1,6 +1,7 @@
 #include "bake/source_bake.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
@@ -50,19 +51,26 @@ class Pass {
       limit_steps(low_.back(), charts.charts[charts.chart_of[i]].diagonal_cm);
     }
     const int width = coverage.width_px, height = coverage.height_px;
-    maps_.albedo = maps_.normal = Image(width, height, 3);
-    maps_.displacement = maps_.height = Image(width, height, 1);
-    if (bake.surface->has_alpha()) maps_.alpha = Image(width, height, 1);
-    if (bake.wants_object_normals) maps_.object_normal = Image(width, height, 3);
+    const auto make = [&](Image& map, int channels) { map = Image(width, height, channels); };
+    tbb::parallel_invoke([&] { make(maps_.albedo, 3); }, [&] { make(maps_.normal, 3); },
+                         [&] { make(maps_.displacement, 1); }, [&] { make(maps_.height, 1); });
+    if (bake.surface->has_alpha()) make(maps_.alpha, 1);
+    if (bake.wants_object_normals) make(maps_.object_normal, 3);
     maps_.results.assign(coverage.owner.size(), RayResult::kNoFace);
   }
 
   SourceMaps run() {
-    tbb::parallel_for(0, coverage_.height_px, [&](int row) { bake_row(row); });
+    const int columns = (coverage_.width_px + kTile_px - 1) / kTile_px;
+    const int rows = (coverage_.height_px + kTile_px - 1) / kTile_px;
+    tbb::parallel_for(0, columns * rows,
+                      [&](int tile) { bake_tile(kTile_px * (tile % columns), kTile_px * (tile / columns)); });
     return std::move(maps_);
   }
 
  private:
+  /// Texels of a square show the same few triangles of the source, which then stay in the cache.
+  static constexpr int kTile_px = 32;
+
   struct Lane {
     const LowTriangle* triangle;
     float weights[3];
@@ -91,16 +99,17 @@ class Pass {
     return triangle;
   }
 
-  void bake_row(int row) {
+  void bake_tile(int left, int top) {
     RayPacket packet;
     packet.inward_cm = bake_.inward_cm;
     Lane lanes[RayPacket::kSize];
-    for (int x = 0; x < coverage_.width_px; ++x) {
-      const uint32_t owner = coverage_.owner_of(x, row);
-      if (owner == TexelCoverage::kNone) continue;
-      aim(low_[owner], x, row, packet, lanes[packet.count]);
-      if (++packet.count == RayPacket::kSize) finish(packet, lanes);
-    }
+    for (int row = top; row < std::min(top + kTile_px, coverage_.height_px); ++row)
+      for (int x = left; x < std::min(left + kTile_px, coverage_.width_px); ++x) {
+        const uint32_t owner = coverage_.owner_of(x, row);
+        if (owner == TexelCoverage::kNone) continue;
+        aim(low_[owner], x, row, packet, lanes[packet.count]);
+        if (++packet.count == RayPacket::kSize) finish(packet, lanes);
+      }
     if (packet.count > 0) finish(packet, lanes);
   }
 

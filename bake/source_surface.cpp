@@ -1,7 +1,11 @@
 #include "bake/source_surface.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 
@@ -95,17 +99,30 @@ constexpr float kLongestStretch = 8;
 SourceSurface::SourceSurface(const Scan& scan, double unit_cm, Vec3f shift_cm,
                              const std::vector<GreenChannel>& green) {
   const Model mesh = mesh_of(scan, unit_cm, shift_cm);
-  const std::vector<Vec3f> normals = smooth_normals(mesh);
-  read_materials(scan, mesh, green);
   bounds_ = bounds_of(mesh.positions_cm);
   positions_ = mesh.positions_cm;
   positions_.push_back({});
   indices_.reserve(3 * mesh.triangles.size());
-  triangles_.reserve(mesh.triangles.size());
-  for (const ModelTriangle& triangle : mesh.triangles) {
-    SourceTriangle out;
+  for (const ModelTriangle& triangle : mesh.triangles)
+    indices_.insert(indices_.end(), std::begin(triangle.position), std::end(triangle.position));
+  std::vector<Vec3f> normals;
+  tbb::parallel_invoke([&] { read_materials(scan, mesh, green); },
+                       [&] {
+                         normals = smooth_normals(mesh);
+                         set_triangles(mesh, normals);
+                         build_bvh();
+                       });
+  if (std::any_of(materials_.begin(), materials_.end(),
+                  [](const SourceMaterial& material) { return !material.normal.empty(); }))
+    tangents_ = mikktspace_tangents(mesh, normals);
+}
+
+void SourceSurface::set_triangles(const Model& mesh, const std::vector<Vec3f>& normals) {
+  triangles_.resize(mesh.triangles.size());
+  tbb::parallel_for(size_t{0}, triangles_.size(), [&](size_t t) {
+    const ModelTriangle& triangle = mesh.triangles[t];
+    SourceTriangle& out = triangles_[t];
     for (int c = 0; c < 3; ++c) {
-      indices_.push_back(triangle.position[c]);
       out.normal[c] = normals[triangle.position[c]];
       out.uv[c] = mesh.uvs[triangle.uv[c]];
     }
@@ -113,12 +130,7 @@ SourceSurface::SourceSurface(const Scan& scan, double unit_cm, Vec3f shift_cm,
     out.is_sliver =
         is_sliver(mesh.positions_cm[triangle.position[0]], mesh.positions_cm[triangle.position[1]],
                   mesh.positions_cm[triangle.position[2]]);
-    triangles_.push_back(out);
-  }
-  if (std::any_of(materials_.begin(), materials_.end(),
-                  [](const SourceMaterial& material) { return !material.normal.empty(); }))
-    tangents_ = mikktspace_tangents(mesh, normals);
-  build_bvh();
+  });
 }
 
 SourceSurface::~SourceSurface() {

@@ -70,6 +70,7 @@ class SourceSurface {
 
  private:
   void read_materials(const Scan& scan, const Model& mesh, const std::vector<GreenChannel>& green);
+  void set_triangles(const Model& mesh, const std::vector<Vec3f>& normals);
   void build_bvh();
 
   std::vector<Vec3f> positions_;   // one more than there are: Embree reads 16 bytes at the last

@@ -27,6 +27,39 @@ struct CentreRange {
         last(static_cast<int64_t>(std::floor(high - 0.5))) {}
 };
 
+/// How far a triangle reaches to the left and right within a band of rows: of a long, thin one that lies
+/// askew most of the bounding box is empty. Never too little: rounding is far below kSlack.
+class RowReach {
+ public:
+  explicit RowReach(const TexelTriangle& triangle) : corner_(triangle.corner) {
+    for (int i = 0; i < 3; ++i) {
+      const TexelPoint edge = corner_[(i + 1) % 3] - corner_[i];
+      per_row_[i] = edge.y != 0 ? edge.x / edge.y : 0;
+    }
+  }
+
+  CentreRange columns(double low_y, double high_y, double margin) const {
+    double left = std::numeric_limits<double>::infinity(), right = -left;
+    for (int i = 0; i < 3; ++i) {
+      const TexelPoint a = corner_[i], b = corner_[(i + 1) % 3];
+      const double low = std::max(std::min(a.y, b.y), low_y), high = std::min(std::max(a.y, b.y), high_y);
+      if (low > high) continue;
+      const bool is_level = a.y == b.y;
+      const double x = is_level ? a.x : a.x + (low - a.y) * per_row_[i];
+      const double other_x = is_level ? b.x : a.x + (high - a.y) * per_row_[i];
+      left = std::min({left, x, other_x});
+      right = std::max({right, x, other_x});
+    }
+    constexpr double kSlack = 0.25;
+    if (left > right) return {0.5, -0.5};
+    return {left - margin - kSlack, right + margin + kSlack};
+  }
+
+ private:
+  const TexelPoint* corner_;
+  double per_row_[3];  // how far each edge goes to the right on its way one row up
+};
+
 /// The rows [first_row, last_row] (counted upwards, within the map) that one task fills.
 struct Band {
   int first_row, last_row;
@@ -83,6 +116,7 @@ class BandPainter {
   void for_each_texel(const TexelTriangle& triangle, double margin, const Visit& visit) {
     const CentreRange columns(triangle.low.x - margin, triangle.high.x + margin);
     const CentreRange rows(triangle.low.y - margin, triangle.high.y + margin);
+    const RowReach reach(triangle);
     const int64_t first_copy = floor_of(rows.first), last_copy = floor_of(rows.last);
     for (int64_t copy = first_copy; copy <= last_copy; ++copy) {
       const int64_t low = std::max<int64_t>(rows.first, copy * height_ + band_.first_row);
@@ -91,10 +125,14 @@ class BandPainter {
         const int row_up = static_cast<int>(row - copy * height_);
         uint32_t* const owners = &coverage_.owner[static_cast<size_t>(height_ - 1 - row_up) * width_];
         double* const distances = &distance_[static_cast<size_t>(row_up - band_.first_row) * width_];
-        int64_t column = wrapped(columns.first, width_);
-        for (int64_t i = columns.first; i <= columns.last; ++i) {
-          visit({static_cast<double>(i) + 0.5, static_cast<double>(row) + 0.5}, owners[column],
-                distances[column]);
+        const double y = static_cast<double>(row) + 0.5;
+        constexpr double kSlack = 0.25;
+        const CentreRange reached = reach.columns(y - margin - kSlack, y + margin + kSlack, margin);
+        const int64_t first = std::max(columns.first, reached.first);
+        const int64_t last = std::min(columns.last, reached.last);
+        int64_t column = wrapped(first, width_);
+        for (int64_t i = first; i <= last; ++i) {
+          visit({static_cast<double>(i) + 0.5, y}, owners[column], distances[column]);
           if (++column == width_) column = 0;
         }
       }

@@ -4,15 +4,15 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "bake/padding.h"
 #include "bake/picture.h"
+#include "bake/set_report.h"
 #include "bake/uv_charts.h"
-#include "dataset/model/error.h"
 
 namespace ohb {
 namespace {
@@ -90,75 +90,6 @@ Image constant_image(Size size, Vec3f value) {
   return image;
 }
 
-void report_geometry(const Model& model, const SetTriangles& triangles, const TexelCoverage& coverage,
-                     SetReport& report) {
-  report.width_px = coverage.width_px;
-  report.height_px = coverage.height_px;
-  report.triangles = triangles.index.size();
-  report.centre_texels = coverage.centre_texels;
-  report.footprint_texels = coverage.footprint_texels;
-  report.padded_texels = coverage.owner.size() - coverage.centre_texels - coverage.footprint_texels;
-  report.overlapping_texels = coverage.overlapping_texels;
-  for (size_t t = 0; t < triangles.index.size(); ++t) {
-    const double area = area_cm2(model, model.triangles[triangles.index[t]]);
-    const Vec2f* const uv = triangles.uvs[t].uv;
-    const double uv_area = difference_of_products(double(uv[1].x) - uv[0].x, double(uv[2].y) - uv[0].y,
-                                                  double(uv[1].y) - uv[0].y, double(uv[2].x) - uv[0].x);
-    report.area_cm2 += area;
-    if (uv_area < 0) report.mirrored_area_cm2 += area;
-    if (uv_area == 0 && area > 0) ++report.triangles_without_uv_area;
-    for (int c = 0; c < 3; ++c)
-      report.uvs_outside += uv[c].x < 0 || uv[c].x > 1 || uv[c].y < 0 || uv[c].y > 1;
-  }
-  const std::vector<uint32_t>& hidden = coverage.hidden_triangles;
-  for (uint32_t t : coverage.triangles_without_texel) {
-    const ModelTriangle& triangle = model.triangles[triangles.index[t]];
-    const double area = area_cm2(model, triangle);
-    if (!(area > 0)) continue;
-    if (std::binary_search(hidden.begin(), hidden.end(), t)) {
-      ++report.hidden_triangles;
-      continue;
-    }
-    ++report.triangles_without_texel;
-    report.area_without_texel_cm2 += area;
-    if (report.faces_without_texel.size() < BakeReport::kListedFaces)
-      report.faces_without_texel.push_back(triangle.source_face);
-  }
-}
-
-/// Throws if more of the set's texels show two faces than `limits` allow: each would need its own texels.
-void check_overlaps(const SetReport& report, const BakeSource& limits) {
-  const double overlaps = static_cast<double>(report.overlapping_texels);
-  const double all = static_cast<double>(report.centre_texels);
-  if (!(overlaps > limits.max_overlap_share * all)) return;
-  throw InputError(
-      limits.scan->file.string(), "texture set '" + report.name + "'",
-      fmt::format("cannot be baked onto UVs that overlap: {:.2f} % of the texels show more than one "
-                  "face; {:.2f} % are allowed",
-                  100 * overlaps / all, 100 * limits.max_overlap_share),
-      "unwrap the scan, or give --max-overlap PERCENT: such texels then show the first face");
-}
-
-/// Throws if more of the set's texels miss the source than `limits` allow.
-void check_misses(const SetReport& report, const SourceBake& source, const BakeSource& limits) {
-  const double missed = static_cast<double>(report.missed_texels + report.back_face_texels);
-  const double all = missed + static_cast<double>(report.hit_texels + report.nearest_texels);
-  if (!(missed > limits.max_missed_share * all)) return;
-  const std::string reach =
-      source.cage_offset.empty() ? fmt::format("{:.2g} cm", source.inward_cm) : std::string("the cage");
-  std::string mend =
-      "give a longer --reach, or --max-missed PERCENT to fill them from around and see them in debug.png";
-  if (report.back_face_texels > report.missed_texels)
-    mend = "turn the faces of the source whose normals point inwards, or say --max-missed PERCENT";
-  throw InputError(
-      limits.scan->file.string(), "texture set '" + report.name + "'",
-      fmt::format("{:.2f} % of its texels find no surface of the source within {} ({:.2f} % find "
-                  "only back faces); {:.2f} % are allowed",
-                  100 * missed / all, reach, 100 * double(report.back_face_texels) / all,
-                  100 * limits.max_missed_share),
-      mend);
-}
-
 /// Of an image of half the size, rounded down: whether any of a texel's block is 1.
 std::vector<uint8_t> any_of_blocks(const std::vector<uint8_t>& values, int width_px, int height_px) {
   const int width = std::max(1, width_px / 2), height = std::max(1, height_px / 2);
@@ -174,16 +105,6 @@ std::vector<uint8_t> any_of_blocks(const std::vector<uint8_t>& values, int width
 constexpr float kMipColourTolerance = 0.25f / 255, kMipNormalTolerance = 0.004f;
 
 }  // namespace
-
-ClassMaterial mix_classes(const MaterialTable& table, const std::array<float, kClassCount>& shares) {
-  ClassMaterial mixed;
-  for (int c = 0; c < kClassCount; ++c) {
-    mixed.specular += shares[c] * table[c].specular;
-    mixed.roughness += shares[c] * table[c].roughness;
-    mixed.sss += shares[c] * table[c].sss;
-  }
-  return mixed;
-}
 
 SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, const MaterialTable& table,
                  const BakeOptions& options, const MeshFrames& frames, const SourceBake* source,
@@ -212,34 +133,54 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
   seams_ = find_seams(mesh.model, triangles_with_seams(charts, triangles_.index, triangles_.uvs, coverage_),
                       &frames);
   report.seam_edges = seams_.size();
-  if (!seams_.empty()) band_ = std::make_unique<SeamBand>(seams_, has_class_, width_px(), height_px());
-  if (!seams_.empty() && options.mends_seams)
-    mender_ = std::make_unique<SeamMender>(seams_, is_inside_, width_px(), height_px());
+  if (source) check_overlaps(report, options.source);
+  tbb::parallel_invoke(
+      [&] {
+        if (!seams_.empty() && options.mends_seams)
+          mender_ = std::make_unique<SeamMender>(seams_, is_inside_, width_px(), height_px());
+      },
+      [&] {
+        if (!seams_.empty()) band_ = std::make_unique<SeamBand>(seams_, has_class_, width_px(), height_px());
+        if (source)
+          source_ = bake_from_source(mesh.model, triangles_.index, triangles_.uvs, coverage_, *source);
+      });
   if (!source) return;
   reach_cm_ = std::max(source->outward_cm, source->inward_cm);
-  check_overlaps(report, options.source);
-  source_ = bake_from_source(mesh.model, triangles_.index, triangles_.uvs, coverage_, *source);
   report_source();
   check_misses(report, *source, options.source);
 }
 
 void SetBake::report_source() {
-  double sum = 0;
-  for (size_t i = 0; i < has_value_.size(); ++i) {
-    const RayResult result = source_.results[i];
-    has_value_[i] = result == RayResult::kHit || result == RayResult::kNearest;
-    report_.hit_texels += result == RayResult::kHit;
-    report_.nearest_texels += result == RayResult::kNearest;
-    report_.missed_texels += result == RayResult::kMissed;
-    report_.back_face_texels += result == RayResult::kBackFace;
-    if (!has_value_[i]) continue;
-    report_.inward_normal_texels += source_.normal.values[3 * i + 2] <= 0;
-    const double distance = std::fabs(source_.height.values[i]);
-    sum += distance;
-    report_.max_distance_cm = std::max(report_.max_distance_cm, distance);
+  struct Counts {
+    uint64_t of_result[5] = {}, inward_normals = 0;
+    double sum_cm = 0, most_cm = 0;
+  };
+  std::vector<Counts> rows(height_px());
+  tbb::parallel_for(0, height_px(), [&](int y) {
+    Counts& row = rows[y];
+    for (size_t i = size_t(y) * width_px(); i < size_t(y + 1) * width_px(); ++i) {
+      const RayResult result = source_.results[i];
+      has_value_[i] = result == RayResult::kHit || result == RayResult::kNearest;
+      ++row.of_result[static_cast<int>(result)];
+      if (!has_value_[i]) continue;
+      row.inward_normals += source_.normal.values[3 * i + 2] <= 0;
+      const double distance = std::fabs(source_.height.values[i]);
+      row.sum_cm += distance;
+      row.most_cm = std::max(row.most_cm, distance);
+    }
+  });
+  double sum_cm = 0;
+  for (const Counts& row : rows) {
+    report_.hit_texels += row.of_result[static_cast<int>(RayResult::kHit)];
+    report_.nearest_texels += row.of_result[static_cast<int>(RayResult::kNearest)];
+    report_.missed_texels += row.of_result[static_cast<int>(RayResult::kMissed)];
+    report_.back_face_texels += row.of_result[static_cast<int>(RayResult::kBackFace)];
+    report_.inward_normal_texels += row.inward_normals;
+    sum_cm += row.sum_cm;
+    report_.max_distance_cm = std::max(report_.max_distance_cm, row.most_cm);
   }
   const uint64_t found = report_.hit_texels + report_.nearest_texels;
-  if (found > 0) report_.mean_distance_cm = sum / static_cast<double>(found);
+  if (found > 0) report_.mean_distance_cm = sum_cm / static_cast<double>(found);
 }
 
 Image SetBake::albedo() {
@@ -282,63 +223,6 @@ Image SetBake::normal() {
   return normal;
 }
 
-/// The shares of the classes as `label` wrote them, 4 channels; empty: borders are hard.
-Image SetBake::class_shares() const {
-  if (class_weights_.empty()) return {};
-  const std::vector<ExrPart> parts = read_exr(class_weights_);
-  const ExrPart& part = find_part(parts, "weights", class_weights_);
-  Image shares(part.image.width_px, part.image.height_px, kClassCount);
-  for (int c = 0; c < kClassCount; ++c) {  // files sort channels by name
-    const auto channel = std::find(part.channels.begin(), part.channels.end(), kClassNames[c]);
-    if (channel == part.channels.end())
-      throw InputError(class_weights_.string(), "", std::string("has no channel '") + kClassNames[c] + "'",
-                       "run `label` again");
-    for (size_t i = 0; i < shares.values.size() / kClassCount; ++i)
-      shares.values[kClassCount * i + static_cast<size_t>(c)] =
-          part.image.values[part.channels.size() * i + static_cast<size_t>(channel - part.channels.begin())];
-  }
-  return shares;
-}
-
-/// Roughness, specular and sss, unpadded.
-std::array<Image, 3> SetBake::class_maps() const {
-  constexpr float kLeastSum = 0.5f;  // less: no face was there when the shares were made
-  std::array<ClassMaterial, kClassCount> pure;
-  for (int c = 0; c < kClassCount; ++c) {
-    std::array<float, kClassCount> all_of_one{};
-    all_of_one[c] = 1;
-    pure[c] = mix_classes(table_, all_of_one);
-  }
-  const Image shares = class_shares();
-  ResampleWeights known;  // texels of faces
-  known.pixel_weights = Image(shares.width_px, shares.height_px, 1);
-  for (size_t i = 0; i < known.pixel_weights.values.size(); ++i)
-    known.pixel_weights.values[i] = shares.values[kClassCount * i] + shares.values[kClassCount * i + 1] +
-                                    shares.values[kClassCount * i + 2] + shares.values[kClassCount * i + 3];
-  std::optional<Resampler> resampler;
-  if (!shares.values.empty()) resampler.emplace(shares, width_px(), height_px(), known);
-  std::array<Image, 3> maps;
-  for (Image& map : maps) map = Image(width_px(), height_px(), 1);
-  tbb::parallel_for(0, height_px(), [&](int y) {
-    for (int x = 0; x < width_px(); ++x) {
-      const uint32_t owner = coverage_.owner_of(x, y);
-      if (owner == TexelCoverage::kNone) continue;
-      ClassMaterial out = pure[mesh_.model.triangles[triangles_.index[owner]].material_class];
-      std::array<float, kClassCount> here{};
-      if (resampler) resampler->texel(x, y, here.data());
-      const float sum = here[0] + here[1] + here[2] + here[3];
-      if (sum >= kLeastSum) {
-        for (float& share : here) share /= sum;
-        out = mix_classes(table_, here);
-      }
-      *maps[0].pixel(x, y) = out.roughness;
-      *maps[1].pixel(x, y) = out.specular;
-      *maps[2].pixel(x, y) = out.sss;
-    }
-  });
-  return maps;
-}
-
 Image SetBake::displacement() {
   if (from_source_) return std::move(source_.displacement);
   const int width = width_px(), height = height_px();
@@ -364,16 +248,17 @@ ByteImage SetBake::valid() const {
   return map;
 }
 
-Image SetBake::finished(Image image, const char* map, const std::vector<uint8_t>& is_covered,
-                        MapValues values) {
-  if (image.values.empty()) return image;
-  const bool is_normals = values == MapValues::kNormals;
+void SetBake::fill_background(Image& image, const std::vector<uint8_t>& is_covered, bool is_normals) const {
   const std::vector<uint8_t> covered = band_ ? band_->fill(image, is_covered, is_normals) : is_covered;
   if (is_normals)
     pad_normals(image, covered);
   else
     pad(image, covered);
-  if (!band_ || values == MapValues::kLength) return image;
+}
+
+void SetBake::finish_seams(Image& image, const char* map, MapValues values) {
+  if (seams_.empty() || values == MapValues::kLength) return;
+  const bool is_normals = values == MapValues::kNormals;
   MapSeams report;
   report.map = map;
   report.unit = is_normals ? "degrees" : "of 1";
@@ -384,6 +269,13 @@ Image SetBake::finished(Image image, const char* map, const std::vector<uint8_t>
     report.most_changed = mender_->mend(image, values, is_normals ? 0.008f : 0.5f / 255);
   report.levels = seam_errors(image, seams_, values);
   report_seams(std::move(report));
+}
+
+Image SetBake::finished(Image image, const char* map, const std::vector<uint8_t>& is_covered,
+                        MapValues values) {
+  if (image.values.empty()) return image;
+  fill_background(image, is_covered, values == MapValues::kNormals);
+  finish_seams(image, map, values);
   return image;
 }
 
@@ -444,9 +336,16 @@ Image SetBake::take_normal() {
 
 std::array<Image, 3> SetBake::take_class_maps() {
   constexpr const char* kNames[3] = {"roughness", "specular", "sss"};
-  std::array<Image, 3> maps = class_maps();
-  for (int i = 0; i < 3; ++i)
-    maps[i] = finished(std::move(maps[i]), kNames[i], has_class_, MapValues::kPlain);
+  std::array<Image, 3> maps;
+  {
+    Image values = class_values();
+    fill_background(values, has_class_, false);
+    for (Image& map : maps) map = Image(width_px(), height_px(), 1);
+    tbb::parallel_for(size_t{0}, has_class_.size(), [&](size_t i) {
+      for (int c = 0; c < 3; ++c) maps[c].values[i] = values.values[3 * i + c];
+    });
+  }
+  for (int c = 0; c < 3; ++c) finish_seams(maps[c], kNames[c], MapValues::kPlain);
   return maps;
 }
 
@@ -465,7 +364,7 @@ ByteImage SetBake::debug() const {
       const auto green = [&] {
         const float distance = std::fabs(source_.height.values[i]);
         const float share = reach_cm_ > 0 ? std::min(1.0f, distance / reach_cm_) : 0;
-        return static_cast<uint8_t>(kQuarter + std::lround(share * (kFull - kQuarter)));
+        return static_cast<uint8_t>(kQuarter + static_cast<int>(0.5 + share * (kFull - kQuarter)));
       };
       if (source_.results[i] == RayResult::kHit) colour = {0, green(), 0};
       if (source_.results[i] == RayResult::kNearest) colour = {0, green(), kFull};

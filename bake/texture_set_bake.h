@@ -54,9 +54,13 @@ class SetBake {
   Image alpha();
   Image normal();
   Image class_shares() const;
-  std::array<Image, 3> class_maps() const;
+  Image class_values() const;
   Image displacement();
-  /// Fills the background of a map (band beside the seams, then the rest), mends its seams and reports them.
+  /// Fills the background of a map: the band beside the seams, then the rest.
+  void fill_background(Image& image, const std::vector<uint8_t>& is_covered, bool is_normals) const;
+  /// Mends the seams of a map with a background and reports them.
+  void finish_seams(Image& image, const char* map, MapValues values);
+  /// Both.
   Image finished(Image image, const char* map, const std::vector<uint8_t>& is_covered, MapValues values);
   void report_seams(MapSeams seams);
   void report_shipped(const char* map, std::vector<SeamError> levels);

@@ -15,11 +15,7 @@ struct Image {
   std::vector<float> values;
 
   Image() = default;
-  Image(int width, int height, int channel_count)
-      : width_px(width),
-        height_px(height),
-        channels(channel_count),
-        values(static_cast<size_t>(width) * height * channel_count, 0.0f) {}
+  Image(int width, int height, int channel_count);  // all 0
   float* pixel(int x, int y) { return &values[(static_cast<size_t>(y) * width_px + x) * channels]; }
   const float* pixel(int x, int y) const {
     return &values[(static_cast<size_t>(y) * width_px + x) * channels];

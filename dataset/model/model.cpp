@@ -1,6 +1,10 @@
 #include "dataset/model/model.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "dataset/model/model_files.h"
 #include "dataset/model/regions.h"
@@ -31,21 +35,29 @@ double angle_between(Vec3d a, Vec3d b) {
 }  // namespace
 
 std::vector<Vec3f> smooth_normals(const Model& model) {
-  std::vector<Vec3d> sums(model.positions_cm.size());
-  for (const ModelTriangle& triangle : model.triangles) {
+  // The unit normal of each triangle weighted by its angle at each corner; then summed in their order.
+  std::vector<std::array<Vec3d, 3>> weighted(model.triangles.size());
+  tbb::parallel_for(size_t{0}, weighted.size(), [&](size_t t) {
+    const ModelTriangle& triangle = model.triangles[t];
     const Vec3f p[3] = {model.positions_cm[triangle.position[0]], model.positions_cm[triangle.position[1]],
                         model.positions_cm[triangle.position[2]]};
     const Vec3d face = cross(difference(p[1], p[0]), difference(p[2], p[0]));
     const double twice_area = std::sqrt(dot(face, face));
-    if (!(twice_area > 0)) continue;
+    if (!(twice_area > 0)) return;
     for (int c = 0; c < 3; ++c) {
       const double angle = angle_between(difference(p[(c + 1) % 3], p[c]), difference(p[(c + 2) % 3], p[c]));
-      Vec3d& sum = sums[triangle.position[c]];
-      sum.x += angle * face.x / twice_area;
-      sum.y += angle * face.y / twice_area;
-      sum.z += angle * face.z / twice_area;
+      weighted[t][c] = {angle * face.x / twice_area, angle * face.y / twice_area,
+                        angle * face.z / twice_area};
     }
-  }
+  });
+  std::vector<Vec3d> sums(model.positions_cm.size());
+  for (size_t t = 0; t < weighted.size(); ++t)
+    for (int c = 0; c < 3; ++c) {
+      Vec3d& sum = sums[model.triangles[t].position[c]];
+      sum.x += weighted[t][c].x;
+      sum.y += weighted[t][c].y;
+      sum.z += weighted[t][c].z;
+    }
   std::vector<Vec3f> normals(sums.size(), Vec3f{0, 0, 1});
   for (size_t i = 0; i < sums.size(); ++i) {
     const double size = std::sqrt(dot(sums[i], sums[i]));

@@ -22,20 +22,27 @@ namespace {
 constexpr int kPreviewEdge_px = 1024;
 
 /// Averages blocks of whole texels so that the longer edge has at most kPreviewEdge_px.
-Image preview_of(const Image& image) {
+template <int kChannels>
+Image preview_of_channels(const Image& image) {
   const int block = (std::max(image.width_px, image.height_px) + kPreviewEdge_px - 1) / kPreviewEdge_px;
-  Image small(std::max(1, image.width_px / block), std::max(1, image.height_px / block), image.channels);
+  Image small(std::max(1, image.width_px / block), std::max(1, image.height_px / block), kChannels);
   const int columns = std::min(block, image.width_px), rows = std::min(block, image.height_px);
   tbb::parallel_for(0, small.height_px, [&](int y) {
-    for (int x = 0; x < small.width_px; ++x)
-      for (int c = 0; c < image.channels; ++c) {
-        float sum = 0;
-        for (int dy = 0; dy < rows; ++dy)
-          for (int dx = 0; dx < columns; ++dx) sum += image.pixel(x * block + dx, y * block + dy)[c];
-        small.pixel(x, y)[c] = sum / static_cast<float>(columns * rows);
+    for (int x = 0; x < small.width_px; ++x) {
+      float sum[kChannels] = {};
+      for (int dy = 0; dy < rows; ++dy) {
+        const float* const in = image.pixel(x * block, y * block + dy);
+        for (int i = 0; i < columns; ++i)
+          for (int c = 0; c < kChannels; ++c) sum[c] += in[i * kChannels + c];
       }
+      for (int c = 0; c < kChannels; ++c) small.pixel(x, y)[c] = sum[c] / static_cast<float>(columns * rows);
+    }
   });
   return small;
+}
+
+Image preview_of(const Image& image) {
+  return image.channels == 1 ? preview_of_channels<1>(image) : preview_of_channels<3>(image);
 }
 
 Image flat_normals(int width_px, int height_px) {
@@ -55,6 +62,14 @@ void encode_preview(const std::string& map, Image& preview) {
     for (float value : preview.values) reach = std::max(reach, std::abs(value));
     for (float& value : preview.values) value = 0.5f + 0.5f * value / reach;
   }
+}
+
+ByteImage bytes_of(const Image& image) {
+  ByteImage bytes(image.width_px, image.height_px, image.channels);
+  std::transform(image.values.begin(), image.values.end(), bytes.values.begin(), [](float value) {
+    return static_cast<uint8_t>(255 * (value > 0 ? std::min(value, 1.0f) : 0.0f) + 0.5f);
+  });
+  return bytes;
 }
 
 /// Lossless. On noisy scans of 4096 x 4096 texels zip at its lowest effort takes 1.5 s of a core for a colour
@@ -155,7 +170,7 @@ bool write_texture_map(const fs::path& folder, const MapKind& kind, Image image,
     throw std::logic_error("texture set '" + entry.name + "': map " + kind.name + " has a wrong size");
   Image preview = preview_of(image);
   encode_preview(kind.name, preview);
-  write_png(previews / (std::string(kind.name) + ".png"), preview);
+  write_png(previews / (std::string(kind.name) + ".png"), bytes_of(preview));
   ExrPart part{
       kind.name, kind.channels == 3 ? std::vector<std::string>{"R", "G", "B"} : std::vector<std::string>{"Y"},
       kind.is_float ? ExrPart::Type::kFloat : ExrPart::Type::kHalf, std::move(image), std::move(mips)};

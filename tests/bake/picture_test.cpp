@@ -219,6 +219,23 @@ TEST(Padding, IsWhatAPlainLoopGives) {
   }
 }
 
+/// Only what the holes read is made of each level: the same bits as with all of it.
+TEST(Padding, IsTheFinestOfTheWholeLevels) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<float> any(0, 1);
+  for (float share : {0.0f, 0.002f, 0.3f, 0.98f, 1.0f})
+    for (int channels : {1, 2, 3}) {
+      Image image(131, 66, channels);
+      std::vector<uint8_t> is_covered(131 * 66);
+      for (float& value : image.values) value = any(random);
+      for (uint8_t& covered : is_covered) covered = any(random) < share;
+      for (int y = 10; y < 50; ++y) std::fill_n(&is_covered[131 * y + 20], 60, 1);  // a chart
+      const std::vector<Image> levels = padded_levels(image, is_covered);
+      pad(image, is_covered);
+      EXPECT_EQ(image.values, levels[0].values) << share << " " << channels;
+    }
+}
+
 TEST(Padding, EveryMipOfALoneChartIsItsColour) {
   Image image(256, 256, 1);
   std::vector<uint8_t> is_covered(256 * 256, 0);

@@ -1,10 +1,14 @@
 #include "dataset/model/image.h"
 
+#include <Imath/half.h>
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/halves.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -59,6 +63,24 @@ TEST(Image, FullDiskIsNoticedWhereverInTheFileItStrikes) {
     std::filesystem::remove(folder / "whole");
     EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << name << " left something behind";
   }
+}
+
+/// Eight at once against one at a time: every half, what lies between two of them, and what is beyond.
+TEST(Halves, AreTheNearestOfEachValue) {
+  std::vector<float> values;
+  for (uint32_t bits = 0; bits < 0x10000; ++bits) {
+    const float value = imath_half_to_float(static_cast<uint16_t>(bits));
+    if (!std::isfinite(value)) continue;
+    for (float factor : {1.0f, 1.0f + 1.0f / 2048, 1.0f + 1.0f / 4096, 0.9997f})
+      values.push_back(value * factor);
+  }
+  for (float value : {1e-30f, -1e-30f, 1e6f, -1e6f, INFINITY, -INFINITY}) values.push_back(value);
+  const std::vector<uint16_t> halves = halves_of(values.data(), values.size());
+  for (size_t i = 0; i < values.size(); ++i)
+    ASSERT_EQ(halves[i], imath_float_to_half(std::clamp(values[i], -kLargestHalf, kLargestHalf)))
+        << values[i];
+  const std::vector<float> nan(8, NAN);
+  EXPECT_TRUE(std::isnan(imath_half_to_float(halves_of(nan.data(), nan.size())[0])));
 }
 
 }  // namespace

@@ -1,0 +1,52 @@
+#include "dataset/model/halves.h"
+
+#include <Imath/half.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
+namespace ohb {
+namespace {
+
+void convert(const float* values, size_t count, uint16_t* halves) {
+  for (size_t i = 0; i < count; ++i)
+    halves[i] = imath_float_to_half(std::clamp(values[i], -kLargestHalf, kLargestHalf));
+}
+
+#if defined(__x86_64__)
+/// The same; a tenth of the time.
+__attribute__((target("avx,f16c"))) void convert_by_eight(const float* values, size_t count,
+                                                          uint16_t* halves) {
+  const __m256 least = _mm256_set1_ps(-kLargestHalf), most = _mm256_set1_ps(kLargestHalf);
+  size_t i = 0;
+  for (; i + 8 <= count; i += 8) {
+    // Of two operands of which one is NaN both take the second.
+    const __m256 clamped = _mm256_min_ps(most, _mm256_max_ps(least, _mm256_loadu_ps(values + i)));
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(halves + i),
+                     _mm256_cvtps_ph(clamped, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));
+  }
+  convert(values + i, count - i, halves + i);
+}
+#endif
+
+}  // namespace
+
+std::vector<uint16_t> halves_of(const float* values, size_t count) {
+  std::vector<uint16_t> halves(count);
+#if defined(__x86_64__)
+  const auto run = __builtin_cpu_supports("f16c") ? convert_by_eight : convert;
+#else
+  const auto run = convert;
+#endif
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 1 << 16),
+                    [&](const tbb::blocked_range<size_t>& range) {
+                      run(values + range.begin(), range.size(), halves.data() + range.begin());
+                    });
+  return halves;
+}
+
+}  // namespace ohb
