@@ -179,10 +179,10 @@ class SeamMender::Solver {
   Solver(const SeamMender& mender, Image& map, MapValues values, float tolerance)
       : mender_(mender), map_(map), values_(values), tolerance_(tolerance) {}
 
-  void solve() {
+  void solve(int sweeps) {
     gather();
     std::vector<uint8_t> has_moved(mender_.seams_.size(), 1);
-    for (int sweep = 0; sweep < kMendSweeps; ++sweep) {
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
       // Edges that agreed are looked at again only now and then: their neighbours may have moved them.
       const bool is_full = sweep % kFullSweepEvery == 0;
       size_t moved = 0;
@@ -327,10 +327,10 @@ class SeamMender::Solver {
   std::vector<State> state_;  // of the blocks
 };
 
-float SeamMender::mend(Image& map, MapValues values, float tolerance) const {
+float SeamMender::mend(Image& map, MapValues values, float tolerance, int sweeps) const {
   Solver solver(*this, map, values, tolerance);
   const std::vector<Vec3f> before = solver.texels();
-  for (int round = 0; round < kMendRounds; ++round) solver.solve();
+  for (int round = 0; round < kMendRounds; ++round) solver.solve(sweeps);
   const std::vector<Vec3f> after = solver.texels();
   float most = 0;
   for (size_t b = 0; b < before.size(); ++b)

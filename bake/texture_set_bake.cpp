@@ -314,8 +314,9 @@ std::vector<Image> SetBake::mips_of(const Image& map, const MapKind& kind) {
     mips.push_back(plain);
     if (is_normals) normalise_pixels(mips.back());
     if (!is_mended || level >= kSeamLevels) continue;
+    const int sweeps = std::min(width, height) < kLeastOfLevelSweeps_px ? kMendSweeps : kLevelSweeps;
     SeamMender(seams_, is_inside, width, height, 1)
-        .mend(mips.back(), values, is_normals ? kMipNormalTolerance : kMipColourTolerance);
+        .mend(mips.back(), values, is_normals ? kMipNormalTolerance : kMipColourTolerance, sweeps);
     errors.push_back(seam_errors(mips.back(), seams_, values, 1).front());
   }
   if (!errors.empty()) report_shipped(kind.name, std::move(errors));
