@@ -37,6 +37,17 @@ inline void intersect_eight(RTCScene scene, const int* valid, RTCRayHit8& ray_hi
 #endif
 }
 
+/// Any hit of up to eight rays; lanes as above, tfar as below.
+inline void occluded_eight(RTCScene scene, const int* valid, RTCRay8& rays) {
+#if OHB_EMBREE == 4
+  rtcOccluded8(valid, scene, &rays);
+#else
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded8(valid, scene, &context, &rays);
+#endif
+}
+
 /// Any hit; ray.tfar becomes negative infinity if there is one.
 inline void occluded_one(RTCScene scene, RTCRay& ray) {
 #if OHB_EMBREE == 4

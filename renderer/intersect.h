@@ -62,17 +62,22 @@ inline bool intersect_bvh(RTCScene bvh, uint32_t first_triangle, const Ray& ray,
   return true;
 }
 
+/// Lane i of Embree's rays from 0 to t_far.
+template <class Rays8>
+void set_lane(Rays8& rays, int i, const Ray& ray, float t_far) {
+  rays.org_x[i] = ray.origin.x, rays.org_y[i] = ray.origin.y, rays.org_z[i] = ray.origin.z;
+  rays.dir_x[i] = ray.direction.x, rays.dir_y[i] = ray.direction.y, rays.dir_z[i] = ray.direction.z;
+  rays.tnear[i] = 0, rays.tfar[i] = t_far, rays.time[i] = 0;
+  rays.mask[i] = 0xffffffffu, rays.id[i] = 0, rays.flags[i] = 0;
+}
+
 /// Closest hits of up to eight rays that run alike; bit i of the result: whether ray i has one.
 inline uint32_t intersect_eight_rays(RTCScene bvh, const Ray* rays, int count, Hit* hits) {
   alignas(32) int valid[8];
   RTCRayHit8 r;
   for (int i = 0; i < 8; ++i) {
-    const Ray& ray = rays[i < count ? i : 0];
     valid[i] = i < count ? -1 : 0;
-    r.ray.org_x[i] = ray.origin.x, r.ray.org_y[i] = ray.origin.y, r.ray.org_z[i] = ray.origin.z;
-    r.ray.dir_x[i] = ray.direction.x, r.ray.dir_y[i] = ray.direction.y, r.ray.dir_z[i] = ray.direction.z;
-    r.ray.tnear[i] = 0, r.ray.tfar[i] = std::numeric_limits<float>::infinity(), r.ray.time[i] = 0;
-    r.ray.mask[i] = 0xffffffffu, r.ray.id[i] = 0, r.ray.flags[i] = 0;
+    set_lane(r.ray, i, rays[i < count ? i : 0], std::numeric_limits<float>::infinity());
     r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
   intersect_eight(bvh, valid, r);
@@ -136,31 +141,49 @@ bool intersect(const Scene& scene, const Ray& ray, Random& random, RayCounts& co
   return found;
 }
 
-/// Share of light that arrives from `t_far` cm away (infinite for environments): 0 behind anything opaque.
-template <bool kCutouts>
-float transmittance(const Scene& scene, const Ray& ray, float t_far, RayCounts& counts) {
-  ++counts.shadow;
-  record_ray(counts, ray, 0, t_far, true, false);
-  if (scene.opaque) {
-    RTCRayHit r = embree_ray(ray, 0, t_far);
-    occluded_one(scene.opaque, r.ray);
-    if (r.ray.tfar < 0) return 0;
-  }
-  float light = 1;
-  if constexpr (kCutouts) {
-    float t_near = 0;
-    uint32_t passed = kNoTriangle;
-    Hit layer;
+/// Share of light that cut-outs let through on [0, t_far].
+inline float light_through_cutouts(const Scene& scene, const Ray& ray, float t_far, RayCounts& counts) {
+  float light = 1, t_near = 0;
+  uint32_t passed = kNoTriangle;
+  Hit layer;
+  record_ray(counts, ray, t_near, t_far, false, true);
+  while (light > 0 && intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
+    if (layer.triangle != passed) light *= 1 - std::fmin(1.0f, alpha_at(scene, layer));
+    passed = layer.triangle;
+    t_near = beyond(layer.t, t_near);
+    ++counts.shadow;
     record_ray(counts, ray, t_near, t_far, false, true);
-    while (light > 0 && intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
-      if (layer.triangle != passed) light *= 1 - std::fmin(1.0f, alpha_at(scene, layer));
-      passed = layer.triangle;
-      t_near = beyond(layer.t, t_near);
-      ++counts.shadow;
-      record_ray(counts, ray, t_near, t_far, false, true);
-    }
   }
   return light;
+}
+
+/// What a light would bring if nothing stood between: it waits for its shadow ray.
+struct WaitingLight {
+  Ray ray;
+  float t_far;  // cm; infinite for environments
+  Vec3f value;
+  uint32_t light;
+};
+
+/// Shares of up to eight lights' values that arrive: 0 behind anything opaque.
+template <bool kCutouts>
+void transmittances(const Scene& scene, const WaitingLight* lights, int count, RayCounts& counts,
+                    float* shares) {
+  alignas(32) int valid[8];
+  RTCRay8 r;
+  counts.shadow += static_cast<uint64_t>(count);
+  for (int i = 0; i < 8; ++i) {
+    const WaitingLight& light = lights[i < count ? i : 0];
+    valid[i] = i < count ? -1 : 0;
+    set_lane(r, i, light.ray, light.t_far);
+    if (i < count) record_ray(counts, light.ray, 0, light.t_far, true, false);
+  }
+  if (scene.opaque) occluded_eight(scene.opaque, valid, r);
+  for (int i = 0; i < count; ++i) {
+    shares[i] = r.tfar[i] < 0 ? 0.0f : 1.0f;
+    if constexpr (kCutouts)
+      if (shares[i] > 0) shares[i] = light_through_cutouts(scene, lights[i].ray, lights[i].t_far, counts);
+  }
 }
 
 }  // namespace ohb

@@ -61,7 +61,9 @@ EnvironmentLight::EnvironmentLight(const Environment& environment)
 }
 
 MapPlace map_place(Vec3f direction) {
-  return {environment_uv(direction), std::sqrt(direction.x * direction.x + direction.z * direction.z)};
+  const float sin_theta = std::sqrt(direction.x * direction.x + direction.z * direction.z);
+  // environment_uv(direction)
+  return {{0.5f + turns_of(direction.z, direction.x), 2 * turns_of(sin_theta, direction.y)}, sin_theta};
 }
 
 EnvironmentValue EnvironmentLight::at(MapPlace place) const {
@@ -112,20 +114,23 @@ LightSample EnvironmentLight::sample(float u1, float u2) const {
 void LightPool::fill(const EnvironmentLight& light, double turn_rad, int columns_log2, int rows_log2,
                      uint64_t key) {
   const int columns = 1 << columns_log2, rows = 1 << rows_log2;
-  columns_log2_ = columns_log2;
-  columns_ = static_cast<float>(columns), rows_ = static_cast<float>(rows);
-  candidates_.resize(static_cast<size_t>(columns) * rows);
+  const int groups = columns / LightCandidates::kCount;  // a row
+  columns_ = groups, rows_ = rows;
+  groups_.resize(static_cast<size_t>(groups) * rows);
   const Vec3f turn_x = turn_about_y({1, 0, 0}, -turn_rad), turn_z = turn_about_y({0, 0, 1}, -turn_rad);
   Random random(key, 0, 0);
   for (int y = 0; y < rows; ++y)
     for (int x = 0; x < columns; ++x) {
-      const float u1 = (static_cast<float>(x) + random.next()) / columns_;
-      const float u2 = (static_cast<float>(y) + random.next()) / rows_;
+      const float u1 = (static_cast<float>(x) + random.next()) / static_cast<float>(columns);
+      const float u2 = (static_cast<float>(y) + random.next()) / static_cast<float>(rows);
       const LightSample sample = light.sample(u1, u2);
       const Vec3f wi = sample.wi.x * turn_x + Vec3f{0, sample.wi.y, 0} + sample.wi.z * turn_z;
       const bool shines = sample.pdf > 0 && max_component(sample.radiance) > 0;
-      candidates_[(static_cast<size_t>(y) << columns_log2) + x] = {wi, sample.radiance,
-                                                                   shines ? sample.pdf : 0};
+      // Members lie even along the columns, and along the rows by the golden section.
+      const int k = x / groups, shift = static_cast<int>(fraction_of(kLatticeStep * k) * rows);
+      const int row = (y - shift + rows) % rows;
+      groups_[static_cast<size_t>(row) * groups + x % groups].set(k, wi, sample.radiance,
+                                                                  shines ? sample.pdf : 0);
     }
 }
 

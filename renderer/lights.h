@@ -78,30 +78,39 @@ class EnvironmentLight {
   std::vector<PiecewiseConstant> columns_;  // one a row
 };
 
-/// A direction that an environment suggested, in the subject's frame.
-struct LightCandidate {
-  Vec3f wi, radiance;
-  float pdf = 0;  // in solid angle; 0: none
+/// Eight directions that an environment suggests, in the subject's frame: they spread over the light.
+struct alignas(32) LightCandidates {
+  static constexpr int kCount = 8;
+  float wi_x[kCount], wi_y[kCount], wi_z[kCount];
+  float red[kCount], green[kCount], blue[kCount];
+  float pdf[kCount];  // in solid angle; 0: none
+
+  void set(int k, Vec3f wi, Vec3f radiance, float pdf_of_wi) {
+    wi_x[k] = wi.x, wi_y[k] = wi.y, wi_z[k] = wi.z;
+    red[k] = radiance.x, green[k] = radiance.y, blue[k] = radiance.z;
+    pdf[k] = pdf_of_wi;
+  }
 };
 
 /// Directions of an environment drawn in advance, one in each cell of a grid over [0, 1)^2, for many paths to
-/// choose from: a lookup in the cache instead of several in the map. Whoever chooses a cell evenly and
-/// without looking gets a direction of density pdf, so that each path's estimate stays unbiased; paths that
-/// share a pool are correlated.
+/// choose from: a lookup in the cache instead of many in the map. Whoever chooses a group evenly and without
+/// looking gets directions of density pdf, so that each path's estimate stays unbiased; paths that share a
+/// pool are correlated.
 class LightPool {
  public:
-  /// A grid of 2^columns_log2 x 2^rows_log2; `turn_rad` turns the subject. A function of its arguments.
+  /// A grid of 2^columns_log2 (at least 8) x 2^rows_log2; `turn_rad` turns the subject. A function of its
+  /// arguments.
   void fill(const EnvironmentLight& light, double turn_rad, int columns_log2, int rows_log2, uint64_t key);
-  /// The candidate of the cell that u in [0, 1)^2 falls in.
-  const LightCandidate& at(Vec2f u) const {
-    const auto x = static_cast<uint32_t>(u.x * columns_), y = static_cast<uint32_t>(u.y * rows_);
-    return candidates_[(y << columns_log2_) + x];
+  /// The group that u in [0, 1)^2 falls in.
+  const LightCandidates& at(Vec2f u) const {
+    const int x = static_cast<int>(u.x * static_cast<float>(columns_)),
+              y = static_cast<int>(u.y * static_cast<float>(rows_));
+    return groups_[static_cast<size_t>(y * columns_ + x)];
   }
 
  private:
-  std::vector<LightCandidate> candidates_;
-  float columns_ = 0, rows_ = 0;
-  int columns_log2_ = 0;
+  std::vector<LightCandidates> groups_;
+  int columns_ = 0, rows_ = 0;  // of groups
 };
 
 class LightSet {

@@ -12,19 +12,20 @@
 
 namespace ohb {
 
-constexpr int kCandidates = 8;         // directions of an environment that compete for a shadow ray
 constexpr float kCandidatesWorth = 3;  // in directions of the BSDF's own, measured; any value is unbiased
-// The first surface that the camera sees sends several rays on: they share the way to it.
-constexpr int kWalks = 4;                    // under it
-constexpr int kShadowRays = 4;               // to a single environment, where no walks are made
-constexpr int kReflections = 2;              // from rough surfaces without walks
-constexpr int kNarrowReflections = 4;        // from others, which find their highlights by reflections
-constexpr float kLatticeStep = 0.61803399f;  // golden section: a lattice of any size is even
-constexpr int kRouletteFromBounce = 2;       // Cycles: the continuation test starts at the third surface
+// The first surface that the camera sees sends several rays on, which share the way to it: so many under a
+// single environment, at rough surfaces, at those with narrow highlights, which find them by reflections, and
+// where walks go under the surface. Measured.
+constexpr int kRoughGroups = 4, kNarrowGroups = 2, kWalkGroups = 2;  // of candidates
+constexpr int kPicks = 2;                                            // shadow rays to each of them
+constexpr int kRoughReflections = 3, kNarrowReflections = 4, kWalkReflections = 4;
+constexpr int kWalks = 12;
+constexpr int kRouletteFromBounce = 2;  // Cycles: the continuation test starts at the third surface
 
 /// What the paths of one tile share, and what they did.
 struct Tile {
-  std::vector<LightPool> pools;  // one an environment
+  std::vector<LightPool> pools;       // one an environment
+  std::vector<WaitingLight> waiting;  // of the pixel at work
   RayCounts rays;
   uint64_t paths = 0;
   uint64_t nonfinite = 0;
@@ -42,10 +43,6 @@ struct PathContext {
 
   Vec3f to_world(Vec3f v) const { return {dot(v, turn_x), v.y, dot(v, turn_z)}; }
 };
-
-inline float fraction_of(float x) {
-  return x - std::floor(x);
-}
 
 inline void add(Vec3f contribution, Vec3f& sum, Tile& tile) {
   if (is_finite(contribution))
@@ -74,77 +71,80 @@ struct LightNumbers {
   }
 };
 
-/// One shadow ray to one of several directions that the environment suggests, chosen by what each would
-/// bring if it is not shadowed (resampled importance sampling, Talbot et al. 2005, equation 6). The
-/// candidates are a lattice, so that they spread over the light.
-template <bool kCutouts, class Bsdf>
-void sample_environment(const PathContext& c, const LightPool& pool, const SurfacePoint& point,
-                        const Bsdf& bsdf, Vec3f throughput, const LightNumbers& u, float worth, Tile& tile,
-                        Vec3f& radiance) {
-  static_assert(kCandidates == 8);
-  const Vec2f shift{u.along.y / kCandidates, u.across};
-  const LightCandidate* candidates[kCandidates];
-  for (int k = 0; k < kCandidates; ++k) candidates[k] = &pool.at(lattice_point(shift, k, kCandidates));
-  const auto gather = [&](auto member) { return Float8([&](auto k) { return member(*candidates[k]); }); };
-  const Vec3f8 wi{gather([](const LightCandidate& l) { return l.wi.x; }),
-                  gather([](const LightCandidate& l) { return l.wi.y; }),
-                  gather([](const LightCandidate& l) { return l.wi.z; })};
-  const Vec3f8 light{gather([](const LightCandidate& l) { return l.radiance.x; }),
-                     gather([](const LightCandidate& l) { return l.radiance.y; }),
-                     gather([](const LightCandidate& l) { return l.radiance.z; })};
-  const Float8 pdf = gather([](const LightCandidate& l) { return l.pdf; });
-  const BsdfValue8 f = bsdf.eval(wi);
-  // The power heuristic over the pdf.
-  const Float8 ratio = f.pdf / (worth * pdf), scale = 1 / (pdf * (1 + ratio * ratio));
-  const Vec3f8 value{throughput.x * f.value.x * light.x * scale, throughput.y * f.value.y * light.y * scale,
-                     throughput.z * f.value.z * light.z * scale};
-  const Float8 zero = 0;
-  const Float8 weight = select(pdf > zero, (value.x + value.y + value.z) * (1.0f / 3), zero);
-  float sums[kCandidates], sum = 0;
-  for (int k = 0; k < kCandidates; ++k) sums[k] = sum += weight[k];
-  if (!std::isfinite(sum)) ++tile.nonfinite;
-  if (!(sum > 0) || !std::isfinite(sum)) return;
-  int chosen = 0;
-  while (chosen + 1 < kCandidates && !(u.along.x * sum < sums[chosen])) ++chosen;
-  const float chosen_weight = weight[chosen];
-  if (!(chosen_weight > 0)) return;
-  const Vec3f chosen_wi = candidates[chosen]->wi;
-  const Vec3f chosen_value{value.x[chosen], value.y[chosen], value.z[chosen]};
-  const Ray ray{ray_origin(c.scene, point.position, point.ng, chosen_wi), chosen_wi};
-  const float visible =
-      transmittance<kCutouts>(c.scene, ray, std::numeric_limits<float>::infinity(), tile.rays);
-  if (visible > 0)
-    add(chosen_value * (visible * sum / (chosen_weight * static_cast<float>(kCandidates))), radiance, tile);
-}
-
 /// How many rays leave a surface, and how they count.
 struct Split {
-  int shadow_rays = 1;  // to each environment
+  int groups = 1;  // of candidates of each environment that are asked
+  int picks = 1;   // shadow rays to each group
   int reflections = 1;
+  int walks = 1;
   /// Of all directions that an environment suggests against one that the BSDF draws, in the heuristic;
   /// infinite: it draws none.
   float worth = kCandidatesWorth;
 
-  static Split none() { return {1, 0, std::numeric_limits<float>::infinity()}; }
+  Split without_reflections() const {
+    return {groups, picks, 0, walks, std::numeric_limits<float>::infinity()};
+  }
   /// At the first surface. Each further light makes shadow rays dearer against what they share.
-  static Split of_first(size_t environments, bool is_rough) {
+  static Split of_first(size_t environments, bool is_rough, bool walks_under) {
     const int shared = environments <= 1 ? 1 : environments <= 3 ? 2 : 4;
-    const int shadow_rays = std::max(1, kShadowRays / (is_rough ? shared : 2 * shared));
-    const int reflections = is_rough ? kReflections : kNarrowReflections;
-    return {shadow_rays, reflections,
-            kCandidatesWorth * static_cast<float>(shadow_rays) / static_cast<float>(reflections)};
+    Split split;
+    split.groups = walks_under ? kWalkGroups : is_rough ? kRoughGroups : kNarrowGroups;
+    split.groups = std::max(1, split.groups / shared);
+    split.picks = environments <= 1 ? kPicks : 1;
+    split.reflections = walks_under ? kWalkReflections : is_rough ? kRoughReflections : kNarrowReflections;
+    split.walks = std::max(4, kWalks / shared);
+    split.worth *= static_cast<float>(split.groups * split.picks) / static_cast<float>(split.reflections);
+    return split;
   }
 };
 
-template <bool kCutouts, class Bsdf>
+/// Shadow rays to some of the directions that environment `l` suggests, chosen by what each would bring if it
+/// is not shadowed (resampled importance sampling, Talbot et al. 2005, equation 6).
+template <class Bsdf>
+void sample_environment(const PathContext& c, size_t l, const SurfacePoint& point, const Bsdf& bsdf,
+                        Vec3f throughput, const LightNumbers& u, const Split& split, Tile& tile) {
+  constexpr int kCount = LightCandidates::kCount;
+  const LightCandidates& candidates = tile.pools[l].at({u.along.y, u.across});
+  const auto eight = [](const float* values) { return Float8(values, stdx::vector_aligned); };
+  const Vec3f8 wi{eight(candidates.wi_x), eight(candidates.wi_y), eight(candidates.wi_z)};
+  const Vec3f8 light{eight(candidates.red), eight(candidates.green), eight(candidates.blue)};
+  const Float8 pdf = eight(candidates.pdf);
+  const BsdfValue8 f = bsdf.eval(wi);
+  // The power heuristic over the pdf.
+  const Float8 ratio = f.pdf / (split.worth * pdf), scale = 1 / (pdf * (1 + ratio * ratio));
+  const Vec3f8 value{throughput.x * f.value.x * light.x * scale, throughput.y * f.value.y * light.y * scale,
+                     throughput.z * f.value.z * light.z * scale};
+  const Float8 zero = 0;
+  const Float8 weight = select(pdf > zero, (value.x + value.y + value.z) * (1.0f / 3), zero);
+  alignas(32) float sums[kCount];
+  float sum = 0;
+  for (int k = 0; k < kCount; ++k) sums[k] = sum += weight[k];
+  if (!std::isfinite(sum)) ++tile.nonfinite;
+  if (!(sum > 0) || !std::isfinite(sum)) return;
+  const Float8 steps(sums, stdx::vector_aligned);
+  const auto picks = static_cast<float>(split.picks);
+  for (int pick = 0; pick < split.picks; ++pick) {
+    const Float8 place = (u.along.x + static_cast<float>(pick)) / picks * sum;
+    const int chosen = std::min(stdx::popcount(steps <= place), kCount - 1);
+    const float chosen_weight = weight[chosen];
+    if (!(chosen_weight > 0)) continue;
+    const Vec3f chosen_wi{candidates.wi_x[chosen], candidates.wi_y[chosen], candidates.wi_z[chosen]};
+    const Vec3f chosen_value{value.x[chosen], value.y[chosen], value.z[chosen]};
+    tile.waiting.push_back({{ray_origin(c.scene, point.position, point.ng, chosen_wi), chosen_wi},
+                            std::numeric_limits<float>::infinity(),
+                            chosen_value * (sum / (chosen_weight * static_cast<float>(kCount) * picks)),
+                            static_cast<uint32_t>(l)});
+  }
+}
+
+template <class Bsdf>
 void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, Vec3f throughput,
-                   const LightNumbers& u, const Split& split, Tile& tile, std::vector<Vec3f>& radiance) {
+                   const LightNumbers& u, const Split& split, Tile& tile) {
   // One set of numbers for all lights: each light's image is unbiased by itself.
-  const Vec3f share = throughput / static_cast<float>(split.shadow_rays);
+  const Vec3f share = throughput / static_cast<float>(split.groups);
   for (size_t l = 0; l < c.lights.environments.size(); ++l)
-    for (int k = 0; k < split.shadow_rays; ++k)
-      sample_environment<kCutouts>(c, tile.pools[l], point, bsdf, share, u.of(k, split.shadow_rays),
-                                   split.worth, tile, radiance[l]);
+    for (int k = 0; k < split.groups; ++k)
+      sample_environment(c, l, point, bsdf, share, u.of(k, split.groups), split, tile);
   for (size_t i = 0; i < c.lights.points.size(); ++i) {
     const PointLight& light = c.lights.points[i];
     const Vec3f to_light = turn_about_y(light.position_cm, -c.turn_rad) - point.position;
@@ -153,16 +153,30 @@ void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& 
     const Vec3f wi = to_light / distance_cm;
     const BsdfValue f = bsdf.eval(wi);
     if (!(max_component(f.value) > 0)) continue;
-    const Ray ray{ray_origin(c.scene, point.position, point.ng, wi), wi};
-    const float visible = transmittance<kCutouts>(c.scene, ray, distance_cm, tile.rays);
     const float distance_m = distance_cm * 0.01f;
-    add(throughput * f.value * (visible * light.intensity / (distance_m * distance_m)),
-        radiance[c.lights.environments.size() + i], tile);
+    tile.waiting.push_back({{ray_origin(c.scene, point.position, point.ng, wi), wi},
+                            distance_cm,
+                            throughput * f.value * (light.intensity / (distance_m * distance_m)),
+                            static_cast<uint32_t>(c.lights.environments.size() + i)});
   }
 }
 
+/// The shadow rays of what waits, eight at once: they start close to each other.
+template <bool kCutouts>
+void ask_shadows(const PathContext& c, Tile& tile, Vec3f* radiance) {
+  float shares[8];
+  for (size_t i = 0; i < tile.waiting.size(); i += 8) {
+    const WaitingLight* lights = &tile.waiting[i];
+    const int count = static_cast<int>(std::min<size_t>(8, tile.waiting.size() - i));
+    transmittances<kCutouts>(c.scene, lights, count, tile.rays, shares);
+    for (int k = 0; k < count; ++k)
+      if (shares[k] > 0) add(shares[k] * lights[k].value, radiance[lights[k].light], tile);
+  }
+  tile.waiting.clear();
+}
+
 inline void add_environments(const PathContext& c, Vec3f direction, float bsdf_pdf, float worth,
-                             Vec3f throughput, Tile& tile, std::vector<Vec3f>& radiance) {
+                             Vec3f throughput, Tile& tile, Vec3f* radiance) {
   const MapPlace place = map_place(c.to_world(direction));
   for (size_t l = 0; l < c.lights.environments.size(); ++l) {
     const EnvironmentLight& light = c.lights.environments[l];
@@ -215,7 +229,7 @@ struct WalkNumbers {
 template <bool kCutouts, class Bsdf>
 bool walk(const PathContext& c, const SurfacePoint& entry, const Bsdf& entry_bsdf, uint32_t triangle,
           const WalkMedium& medium, const WalkNumbers& numbers, int k, int n, Random& random, Tile& tile,
-          std::vector<Vec3f>& radiance, PathState& state) {
+          PathState& state) {
   const Vec3f inwards = entry_bsdf.entry_direction(lattice_point(numbers.entry, k, n));
   WalkExit exit;
   if (!walk_under_surface<kCutouts>(c.scene, entry, triangle, medium, entry_bsdf.entry_axis(), inwards,
@@ -225,8 +239,8 @@ bool walk(const PathContext& c, const SurfacePoint& entry, const Bsdf& entry_bsd
   const SurfacePoint point = surface_at(c.scene, exit.hit, exit.direction);
   const Bsdf bsdf = exit_bsdf_at<Bsdf>(point, exit.direction);
   const bool ends = ends_at(c, state, bsdf);
-  const Split split = ends ? Split::none() : Split();
-  sample_lights<kCutouts>(c, point, bsdf, state.throughput, numbers.light.of(k, n), split, tile, radiance);
+  const Split split = ends ? Split().without_reflections() : Split();
+  sample_lights(c, point, bsdf, state.throughput, numbers.light.of(k, n), split, tile);
   if (ends) return false;
   const Vec2f u = lattice_point(numbers.direction, k, n);
   return bounce_off(c, point, bsdf.sample(0, u.x, u.y), split.worth, state);
@@ -234,60 +248,68 @@ bool walk(const PathContext& c, const SurfacePoint& entry, const Bsdf& entry_bsd
 
 /// Paths that left the first surface and still have a way to go.
 struct Branches {
-  PathState states[std::max({kWalks, kReflections, kNarrowReflections})];
+  PathState states[std::max({kRoughReflections, kNarrowReflections, kWalks + kWalkReflections})];
   int count = 0;
 };
 
-/// One surface: false if the path ends there. At the first, several reflections are followed, or one and
-/// several walks under it, with which it does not compete: all but the last of them from `branches` on.
+/// What leaves the first surface: to the lights, by reflection, and by walks under it, with which reflections
+/// do not compete.
+template <bool kCutouts, class Bsdf>
+void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, uint32_t triangle,
+             bool walks_under, const PathState& state, Branches& branches, PathSampler& sampler, Tile& tile) {
+  const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
+  Split split = Split::of_first(c.lights.environments.size(), bsdf.is_rough(), walks_under);
+  if (ends_at(c, state, bsdf)) split = split.without_reflections();
+  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, tile);
+  const auto branch = [&](int n) -> PathState& {
+    PathState& one = branches.states[branches.count];
+    one = state;
+    one.throughput *= 1 / static_cast<float>(n);
+    return one;
+  };
+  for (int k = 0; k < split.reflections; ++k) {
+    const Vec2f direction = lattice_point(u, k, split.reflections);
+    const float lobe = (static_cast<float>(k) + across_and_lobe.y) / static_cast<float>(split.reflections);
+    const BsdfSample next = bsdf.sample(lobe, direction.x, direction.y);
+    PathState& one = branch(split.reflections);
+    branches.count += !next.enters && bounce_off(c, point, next, split.worth, one);
+  }
+  if (!walks_under) return;
+  const WalkMedium medium(point.texel);
+  const WalkNumbers numbers(sampler);
+  for (int k = 0; k < split.walks; ++k)
+    branches.count += walk<kCutouts>(c, point, bsdf, triangle, medium, numbers, k, split.walks,
+                                     sampler.random, tile, branch(split.walks));
+}
+
+/// One surface: false if the path ends there, but for `branches`.
 template <bool kCutouts, class Bsdf>
 bool scatter(const PathContext& c, const Hit& hit, PathState& state, Branches& branches, PathSampler& sampler,
-             Tile& tile, std::vector<Vec3f>& radiance) {
+             Tile& tile) {
   const Vec3f wo = -state.ray.direction;
   const SurfacePoint point = surface_at(c.scene, hit, wo);
   const bool is_first = state.bounce == 0;
   UnderSurface under = UnderSurface::kNone;
   if (c.subsurface && point.texel.sss > cycles::kLeastSubsurface)
     under = state.diffuse_ancestor ? UnderSurface::kDiffuse : UnderSurface::kWalk;
+  const bool walks_under = under == UnderSurface::kWalk;
   const Bsdf bsdf = bsdf_at<Bsdf>(point, wo, is_first, under);
   if (bsdf.is_black()) return false;
-  const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
-  const bool ends = ends_at(c, state, bsdf);
-  const bool splits = is_first && under != UnderSurface::kWalk;
-  Split split = splits ? Split::of_first(c.lights.environments.size(), bsdf.is_rough()) : Split();
-  if (ends) split = {split.shadow_rays, 0, Split::none().worth};
-  sample_lights<kCutouts>(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, tile,
-                          radiance);
-  if (ends && under != UnderSurface::kWalk) return false;
-  if (splits) {
-    for (int k = 0; k < split.reflections; ++k) {
-      const Vec2f direction = lattice_point(u, k, split.reflections);
-      const float lobe = (static_cast<float>(k) + across_and_lobe.y) / static_cast<float>(split.reflections);
-      PathState& one = branches.states[branches.count];
-      one = state;
-      one.throughput *= 1 / static_cast<float>(split.reflections);
-      branches.count += bounce_off(c, point, bsdf.sample(lobe, direction.x, direction.y), split.worth, one);
-    }
+  if (is_first) {
+    fan_out<kCutouts>(c, point, bsdf, hit.triangle, walks_under, state, branches, sampler, tile);
     return false;
   }
+  const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
+  const bool ends = ends_at(c, state, bsdf);
+  const Split split = ends ? Split().without_reflections() : Split();
+  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, tile);
+  if (ends && !walks_under) return false;
   const BsdfSample next = bsdf.sample(across_and_lobe.y, u.x, u.y);
-  if (under == UnderSurface::kWalk && is_first) {
-    const WalkMedium medium(point.texel);
-    const WalkNumbers numbers(sampler);
-    for (int k = 0; k < kWalks; ++k) {
-      PathState& one = branches.states[branches.count];
-      one = state;
-      one.throughput *= 1.0f / kWalks;
-      branches.count += walk<kCutouts>(c, point, bsdf, hit.triangle, medium, numbers, k, kWalks,
-                                       sampler.random, tile, radiance, one);
-    }
-    return !ends && !next.enters && bounce_off(c, point, next, split.worth, state);
-  }
   if (next.enters) {
     // The walk's medium has the colour: the lobe's weight is only its share.
     state.throughput *= 1 / next.pdf;
     return walk<kCutouts>(c, point, bsdf, hit.triangle, WalkMedium(point.texel), WalkNumbers(sampler), 0, 1,
-                          sampler.random, tile, radiance, state);
+                          sampler.random, tile, state);
   }
   return !ends && bounce_off(c, point, next, split.worth, state);
 }
@@ -295,7 +317,7 @@ bool scatter(const PathContext& c, const Hit& hit, PathState& state, Branches& b
 /// To the next surface and on from it: false if the path ends.
 template <bool kCutouts, class Bsdf>
 bool advance(const PathContext& c, PathState& state, Branches& branches, PathSampler& sampler, Tile& tile,
-             std::vector<Vec3f>& radiance) {
+             Vec3f* radiance) {
   Hit hit;
   if (!intersect<kCutouts>(c.scene, state.ray, sampler.random, tile.rays, hit)) {
     add_environments(c, state.ray.direction, state.bsdf_pdf, state.lights_worth, state.throughput, tile,
@@ -308,7 +330,7 @@ bool advance(const PathContext& c, PathState& state, Branches& branches, PathSam
     if (!(sampler.random.next() < survive)) return false;
     state.throughput *= 1 / survive;
   }
-  return scatter<kCutouts, Bsdf>(c, hit, state, branches, sampler, tile, radiance);
+  return scatter<kCutouts, Bsdf>(c, hit, state, branches, sampler, tile);
 }
 
 /// Camera rays of one pixel and what they meet.
@@ -342,14 +364,14 @@ struct CameraRays {
   }
 };
 
-/// A path from what a camera ray met.
+/// A path from what a camera ray met, added to `radiance`, one a light; its shadow rays wait in `tile`.
 template <bool kCutouts, class Bsdf>
 void trace_path(const PathContext& c, const Ray& camera_ray, const Hit& hit, PathSampler& sampler, Tile& tile,
-                std::vector<Vec3f>& radiance) {
+                Vec3f* radiance) {
   PathState state;
   Branches branches;
   state.ray = camera_ray;
-  bool goes_on = scatter<kCutouts, Bsdf>(c, hit, state, branches, sampler, tile, radiance);
+  bool goes_on = scatter<kCutouts, Bsdf>(c, hit, state, branches, sampler, tile);
   while (goes_on || branches.count > 0) {
     if (!goes_on) state = branches.states[--branches.count];
     goes_on = advance<kCutouts, Bsdf>(c, state, branches, sampler, tile, radiance);
@@ -358,8 +380,8 @@ void trace_path(const PathContext& c, const Ray& camera_ray, const Hit& hit, Pat
 
 // Compiled apart, in path_tracer_v2.cpp: in one unit the compiler inlines less of each model.
 extern template void trace_path<false, PrincipledV2>(const PathContext&, const Ray&, const Hit&, PathSampler&,
-                                                     Tile&, std::vector<Vec3f>&);
+                                                     Tile&, Vec3f*);
 extern template void trace_path<true, PrincipledV2>(const PathContext&, const Ray&, const Hit&, PathSampler&,
-                                                    Tile&, std::vector<Vec3f>&);
+                                                    Tile&, Vec3f*);
 
 }  // namespace ohb

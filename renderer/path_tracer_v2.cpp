@@ -3,8 +3,8 @@
 namespace ohb {
 
 template void trace_path<false, PrincipledV2>(const PathContext&, const Ray&, const Hit&, PathSampler&, Tile&,
-                                              std::vector<Vec3f>&);
+                                              Vec3f*);
 template void trace_path<true, PrincipledV2>(const PathContext&, const Ray&, const Hit&, PathSampler&, Tile&,
-                                             std::vector<Vec3f>&);
+                                             Vec3f*);
 
 }  // namespace ohb

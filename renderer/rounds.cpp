@@ -47,7 +47,7 @@ Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& 
   tile.rays.record = record;
   const PixelBox& px = box.pixels;
   const size_t lights = images.size();
-  std::vector<Vec3f> sums(static_cast<size_t>(px.x1 - px.x0) * (px.y1 - px.y0) * lights), radiance(lights);
+  std::vector<Vec3f> sums(static_cast<size_t>(px.x1 - px.x0) * (px.y1 - px.y0) * lights);
   const auto range_of = [&](int x, int y) {
     const size_t pixel = static_cast<size_t>(y) * picture.settings.size_px + x;
     const uint32_t first = paths.first ? (*paths.first)[pixel] : 0;
@@ -88,11 +88,10 @@ Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& 
         camera.intersect_all<kCutouts>(picture.context.scene, tile.rays);
         for (size_t i = 0; i < camera.samplers.size(); ++i) {
           if (!camera.is_hit[i]) continue;  // the camera sees no background: it is transparent
-          std::fill(radiance.begin(), radiance.end(), Vec3f{});
           trace_path<kCutouts, Bsdf>(picture.context, camera.rays[i], camera.hits[i], camera.samplers[i],
-                                     tile, radiance);
-          for (size_t l = 0; l < lights; ++l) sum[l] += radiance[l];
+                                     tile, sum);
         }
+        ask_shadows<kCutouts>(picture.context, tile, sum);
       }
       if (work) (*work)[pixel] += static_cast<float>(tile.rays.total() - rays_before);
     });

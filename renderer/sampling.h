@@ -107,6 +107,12 @@ class PathSampler {
   int pair_ = 0;
 };
 
+constexpr float kLatticeStep = 0.61803399f;  // golden section: a lattice of any size is even
+
+inline float fraction_of(float x) {
+  return x - std::floor(x);
+}
+
 /// Sine and cosine of a number of turns, |turns| < 2^20: Taylor polynomials on an eighth of a turn, within
 /// 2e-7 of the exact values.
 struct SineCosine {
@@ -120,6 +126,25 @@ inline SineCosine sine_cosine_of_turns(float turns) {
   const int q = static_cast<int>(quarter) & 3;
   const float sine = (q & 1) ? c : s, cosine = (q & 1) ? s : c;
   return {(q & 2) ? -sine : sine, (q == 1 || q == 2) ? -cosine : cosine};
+}
+
+/// The angle of (x, y) from the x axis in turns, in [-0.5, 0.5]; 0 of (0, 0). Abramowitz and Stegun 4.4.49:
+/// within 1e-7 of the exact value.
+inline float turns_of(float y, float x) {
+  const float ax = std::fabs(x), ay = std::fabs(y);
+  const float high = std::max(ax, ay), low = std::min(ax, ay);
+  const float t = high > 0 ? low / high : 0, t2 = t * t;
+  float p = -0.0161657367f + 0.0028662257f * t2;
+  p = 0.0429096138f + p * t2;
+  p = -0.0752896400f + p * t2;
+  p = 0.1065626393f + p * t2;
+  p = -0.1420889944f + p * t2;
+  p = 0.1999355085f + p * t2;
+  p = -0.3333314528f + p * t2;
+  float turns = (t + t * t2 * p) * (0.5f * kInvPi);
+  if (ay > ax) turns = 0.25f - turns;
+  if (x < 0) turns = 0.5f - turns;
+  return y < 0 ? -turns : turns;
 }
 
 /// An orthonormal frame about a unit vector (Duff et al. 2017).

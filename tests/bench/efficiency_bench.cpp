@@ -1,8 +1,10 @@
 // What a renderer's minute buys: 1 / (mean squared error x processor time), of one view without loading.
-// usage: efficiency_bench MODEL E.exr [SPP [SIZE_PX [adaptive|even [diffuse]]]]
+// usage: efficiency_bench MODEL E.exr[,E.exr...] [SPP [SIZE_PX [adaptive|even [diffuse]]]]
 #include <cstdio>
 #include <cstdlib>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "renderer/render.h"
 #include "renderer/validation/stopwatch.h"
@@ -10,32 +12,38 @@
 int main(int argc, char** argv) {
   using namespace ohb;
   if (argc < 3) {
-    std::fprintf(stderr, "usage: efficiency_bench MODEL E.exr [SPP [SIZE_PX [adaptive|even [diffuse]]]]\n");
+    std::fprintf(
+        stderr, "usage: efficiency_bench MODEL E.exr[,E.exr...] [SPP [SIZE_PX [adaptive|even [diffuse]]]]\n");
     return 2;
   }
   constexpr int kSeeds = 8;
   const Model model = read_model(argv[1]);
   const auto scene = build_scene(model);
-  const auto lights = prepare_lights({read_environment(argv[2])}, {});
+  std::vector<Environment> environments;
+  std::istringstream files(argv[2]);
+  for (std::string file; std::getline(files, file, ',');) environments.push_back(read_environment(file));
+  const auto lights = prepare_lights(environments, {});
   RenderSettings settings;
   settings.spp = argc > 3 ? std::atoi(argv[3]) : 16;
   settings.size_px = argc > 4 ? std::atoi(argv[4]) : 256;
   settings.adaptive = argc > 5 && std::string(argv[5]) == "adaptive";
   settings.subsurface = argc <= 6;
-  std::vector<Image> images;
+  std::vector<std::vector<float>> images;  // of all lights
   const Stopwatch watch;
   RenderStatistics statistics;
   for (int k = 0; k < kSeeds; ++k) {
     settings.seed = static_cast<uint64_t>(k) + 1;
-    images.push_back(
-        render_lights(*scene, *lights, fit_camera(model.positions_cm), 0, settings, &statistics)[0].radiance);
+    std::vector<float>& values = images.emplace_back();
+    for (const SampleLight& light :
+         render_lights(*scene, *lights, fit_camera(model.positions_cm), 0, settings, &statistics))
+      values.insert(values.end(), light.radiance.values.begin(), light.radiance.values.end());
   }
   const double seconds = watch.cpu_s() / kSeeds;
   double error = 0, square = 0;
-  for (size_t i = 0; i < images[0].values.size(); ++i) {
+  for (size_t i = 0; i < images[0].size(); ++i) {
     double sum = 0, squares = 0;
-    for (const Image& image : images)
-      sum += image.values[i], squares += double{image.values[i]} * image.values[i];
+    for (const std::vector<float>& values : images)
+      sum += values[i], squares += double{values[i]} * values[i];
     error += (squares - sum * sum / kSeeds) / (kSeeds - 1);
     square += sum * sum / kSeeds / kSeeds;
   }

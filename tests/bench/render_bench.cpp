@@ -44,7 +44,7 @@ Workload make_workload(const char* model_folder, const char* environment_file) {
   w.lights = prepare_lights({environment}, {});
   w.camera = fit_camera(model.positions_cm);
   w.settings.size_px = 256;
-  w.settings.spp = 8;
+  w.settings.spp = 32;
   RenderStatistics statistics;
   statistics.record = &w.rays;
   render_lights(*w.scene, *w.lights, w.camera, 0, w.settings, &statistics);

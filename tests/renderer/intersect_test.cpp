@@ -63,9 +63,11 @@ TEST_F(Intersect, EachLayerTakesItsShareOnce) {
   int other = 0;
   for (int i = 0; i < kRays; ++i) {
     const Vec3f towards = random_direction();
-    const Ray ray{Vec3f{0, 10, 0} - 30 * towards, towards};
-    const float light = transmittance<true>(*scene, ray, std::numeric_limits<float>::infinity(), counts_);
-    other += light != 0.25f;
+    const WaitingLight light{
+        {Vec3f{0, 10, 0} - 30 * towards, towards}, std::numeric_limits<float>::infinity(), {1, 1, 1}, 0};
+    float share = 0;
+    transmittances<true>(*scene, &light, 1, counts_, &share);
+    other += share != 0.25f;
   }
   EXPECT_LT(other, kRays / 10000);
 }

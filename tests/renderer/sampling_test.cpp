@@ -66,5 +66,21 @@ TEST(PathSampler, PixelsSeedsAndPairsAreUncorrelated) {
   }
 }
 
+TEST(TurnsOf, EqualsTheArcTangent) {
+  Random random(3, 0, 0);
+  double worst = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const float scale = std::exp2(80 * random.next() - 40);
+    const float x = scale * (2 * random.next() - 1), y = (i % 2 ? scale : 1.0f) * (2 * random.next() - 1);
+    worst = std::max(worst, std::fabs(turns_of(y, x) - std::atan2(double{y}, double{x}) / (2 * M_PI)));
+  }
+  EXPECT_LT(worst, 1e-7);
+  EXPECT_EQ(turns_of(0, 0), 0);
+  EXPECT_EQ(turns_of(0, 1), 0);
+  EXPECT_EQ(turns_of(1, 0), 0.25f);
+  EXPECT_EQ(turns_of(-1, 0), -0.25f);
+  EXPECT_EQ(turns_of(0, -1), 0.5f);
+}
+
 }  // namespace
 }  // namespace ohb
