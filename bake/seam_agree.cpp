@@ -214,7 +214,8 @@ class Agreement {
     tbb::parallel_for(size_t{0}, texels.size(), [&](size_t u) {
       const uint32_t t = window.texels[u];
       texels[u].hold = hold_[t] * (1 + border_hold_[t]);
-      texels[u].pull = hold_[t] * Values::back(texels_[t], window.before[u]);
+      texels[u].pull = Values::back(texels_[t], window.before[u]);
+      for (double& pull : texels[u].pull) pull *= hold_[t];
     });
     return texels;
   }

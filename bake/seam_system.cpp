@@ -1,36 +1,37 @@
 #include "bake/seam_system.h"
 
+#include <Eigen/Sparse>
 #include <algorithm>
 #include <numeric>
 
 namespace ohb {
 
+using Matrix = Eigen::SparseMatrix<double>;
+
+template <int kFree, int kColumns>
+struct SeamSystem<kFree, kColumns>::Factors {
+  Matrix matrix;  // lower half
+  Eigen::MatrixXd right;
+  Eigen::SimplicialLDLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>> factors;
+};
+
 template <int kFree, int kColumns>
 SeamSystem<kFree, kColumns>::SeamSystem(uint32_t unknowns, const std::vector<Row>& rows)
-    : unknowns_(unknowns), place_of_(unknowns), unknown_at_(unknowns) {
+    : unknowns_(unknowns),
+      place_of_(unknowns),
+      unknown_at_(unknowns),
+      blocks_(unknowns),
+      factors_(std::make_unique<Factors>()) {
   std::iota(place_of_.begin(), place_of_.end(), 0u);
   order(rows);
   for (uint32_t u = 0; u < unknowns_; ++u) unknown_at_[place_of_[u]] = u;
   collect_reads(rows);
   collect_neighbours(rows);
-  matrix_.resize(Eigen::Index(kFree) * unknowns_, Eigen::Index(kFree) * unknowns_);
-  // Columns of a texel: the lower half of its own block, then whole blocks of those below.
-  std::vector<int> row_of;
-  int* const outer = matrix_.outerIndexPtr();
-  outer[0] = 0;
-  for (uint32_t place = 0; place < unknowns_; ++place)
-    for (int column = 0; column < kFree; ++column) {
-      for (uint32_t n = first_below_[place]; n < first_below_[place + 1]; ++n)
-        for (int r = neighbour_[n] == place ? column : 0; r < kFree; ++r)
-          row_of.push_back(static_cast<int>(kFree * neighbour_[n]) + r);
-      outer[kFree * place + column + 1] = static_cast<int>(row_of.size());
-    }
-  matrix_.resizeNonZeros(static_cast<Eigen::Index>(row_of.size()));
-  std::copy(row_of.begin(), row_of.end(), matrix_.innerIndexPtr());
-  std::fill(matrix_.valuePtr(), matrix_.valuePtr() + row_of.size(), 0.0);
-  factors_.analyzePattern(matrix_);
-  right_.resize(Eigen::Index(kFree) * unknowns_, kColumns);
+  lay_out();
 }
+
+template <int kFree, int kColumns>
+SeamSystem<kFree, kColumns>::~SeamSystem() = default;
 
 /// Approximate minimum degree (Amestoy, Davis and Duff 1996) on texels, whose numbers stay together.
 template <int kFree, int kColumns>
@@ -83,30 +84,65 @@ void SeamSystem<kFree, kColumns>::collect_neighbours(const std::vector<Row>& row
   }
 }
 
+/// Columns of a texel: the lower half of its own block, then whole blocks of those below.
 template <int kFree, int kColumns>
-void SeamSystem<kFree, kColumns>::assemble(const std::vector<Row>& rows, const std::vector<Texel>& texels) {
-  std::vector<Effect> block(unknowns_, Effect::Zero());  // of the texel in hand and each that it meets
-  double* value = matrix_.valuePtr();
-  for (uint32_t place = 0; place < unknowns_; ++place) {
-    const Texel& texel = texels[unknown_at_[place]];
-    Value right = texel.pull;
-    for (uint32_t i = first_read_[place]; i < first_read_[place + 1]; ++i) {
-      const Row& row = rows[reads_[i] / 8];
-      const Effect weighted = row.weight * row.effect[reads_[i] % 8].transpose();
-      right -= weighted * row.difference;
-      for (int k = 0; k < 8; ++k)
-        if (row.unknown[k] != kNone) block[place_of_[row.unknown[k]]] += weighted * row.effect[k];
-    }
-    block[place].diagonal().array() += texel.hold;
-    for (int column = 0; column < kFree; ++column)
+void SeamSystem<kFree, kColumns>::lay_out() {
+  Matrix& matrix = factors_->matrix;
+  matrix.resize(Eigen::Index(kFree) * unknowns_, Eigen::Index(kFree) * unknowns_);
+  std::vector<int> row_of;
+  int* const outer = matrix.outerIndexPtr();
+  outer[0] = 0;
+  for (uint32_t place = 0; place < unknowns_; ++place)
+    for (int column = 0; column < kFree; ++column) {
       for (uint32_t n = first_below_[place]; n < first_below_[place + 1]; ++n)
         for (int r = neighbour_[n] == place ? column : 0; r < kFree; ++r)
-          *value++ = block[neighbour_[n]](column, r);
+          row_of.push_back(static_cast<int>(kFree * neighbour_[n]) + r);
+      outer[kFree * place + column + 1] = static_cast<int>(row_of.size());
+    }
+  matrix.resizeNonZeros(static_cast<Eigen::Index>(row_of.size()));
+  std::copy(row_of.begin(), row_of.end(), matrix.innerIndexPtr());
+  std::fill(matrix.valuePtr(), matrix.valuePtr() + row_of.size(), 0.0);
+  factors_->factors.analyzePattern(matrix);
+  factors_->right.resize(Eigen::Index(kFree) * unknowns_, kColumns);
+}
+
+template <int kFree, int kColumns>
+void SeamSystem<kFree, kColumns>::add_row(const Row& row, uint32_t which, Value& right) {
+  Effect turned;  // weight x effect, transposed
+  for (int a = 0; a < kFree; ++a)
+    for (int b = 0; b < kFree; ++b) turned[a * kFree + b] = row.weight * row.effect[which][b * kFree + a];
+  for (int a = 0; a < kFree; ++a)
+    for (int column = 0; column < kColumns; ++column)
+      for (int b = 0; b < kFree; ++b)
+        right[a * kColumns + column] -= turned[a * kFree + b] * row.difference[b * kColumns + column];
+  for (int k = 0; k < 8; ++k) {
+    if (row.unknown[k] == kNone) continue;
+    Effect& block = blocks_[place_of_[row.unknown[k]]];
+    for (int a = 0; a < kFree; ++a)
+      for (int c = 0; c < kFree; ++c)
+        for (int b = 0; b < kFree; ++b)
+          block[a * kFree + c] += turned[a * kFree + b] * row.effect[k][b * kFree + c];
+  }
+}
+
+template <int kFree, int kColumns>
+void SeamSystem<kFree, kColumns>::assemble(const std::vector<Row>& rows, const std::vector<Texel>& texels) {
+  double* value = factors_->matrix.valuePtr();
+  for (uint32_t place = 0; place < unknowns_; ++place) {
+    const uint32_t first = first_below_[place], end = first_below_[place + 1];
+    for (uint32_t n = first; n < end; ++n) blocks_[neighbour_[n]].fill(0);
+    const Texel& texel = texels[unknown_at_[place]];
+    Value right = texel.pull;
     for (uint32_t i = first_read_[place]; i < first_read_[place + 1]; ++i)
-      for (uint32_t unknown : rows[reads_[i] / 8].unknown)
-        if (unknown != kNone) block[place_of_[unknown]].setZero();
-    block[place].setZero();
-    right_.template middleRows<kFree>(Eigen::Index(kFree) * place) = right;
+      add_row(rows[reads_[i] / 8], reads_[i] % 8, right);
+    for (int a = 0; a < kFree; ++a) blocks_[place][a * kFree + a] += texel.hold;
+    for (int column = 0; column < kFree; ++column)
+      for (uint32_t n = first; n < end; ++n)
+        for (int r = neighbour_[n] == place ? column : 0; r < kFree; ++r)
+          *value++ = blocks_[neighbour_[n]][column * kFree + r];
+    for (int a = 0; a < kFree; ++a)
+      for (int column = 0; column < kColumns; ++column)
+        factors_->right(Eigen::Index(kFree) * place + a, column) = right[a * kColumns + column];
   }
 }
 
@@ -114,11 +150,13 @@ template <int kFree, int kColumns>
 auto SeamSystem<kFree, kColumns>::solve(const std::vector<Row>& rows, const std::vector<Texel>& texels)
     -> std::vector<Value> {
   assemble(rows, texels);
-  factors_.factorize(matrix_);
-  const Eigen::MatrixXd x = factors_.solve(right_);
+  factors_->factors.factorize(factors_->matrix);
+  const Eigen::MatrixXd x = factors_->factors.solve(factors_->right);
   std::vector<Value> values(unknowns_);
   for (uint32_t u = 0; u < unknowns_; ++u)
-    values[u] = x.template middleRows<kFree>(Eigen::Index(kFree) * place_of_[u]);
+    for (int a = 0; a < kFree; ++a)
+      for (int column = 0; column < kColumns; ++column)
+        values[u][a * kColumns + column] = x(Eigen::Index(kFree) * place_of_[u] + a, column);
   return values;
 }
 

@@ -1,9 +1,9 @@
 // The least change of some texels that brings the two sides of seams together: a sparse linear system.
 #pragma once
 
-#include <Eigen/Sparse>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace ohb {
@@ -16,8 +16,8 @@ namespace ohb {
 template <int kFree, int kColumns>
 class SeamSystem {
  public:
-  using Effect = Eigen::Matrix<double, kFree, kFree>;
-  using Value = Eigen::Matrix<double, kFree, kColumns>;
+  using Effect = std::array<double, kFree * kFree>;    // kFree rows
+  using Value = std::array<double, kFree * kColumns>;  // kFree rows
   static constexpr uint32_t kNone = 0xffffffffu;
   struct Row {
     std::array<uint32_t, 8> unknown;  // kNone: a texel that keeps its value
@@ -32,22 +32,25 @@ class SeamSystem {
 
   /// Which unknown meets which; `rows` of solve() must have the same.
   SeamSystem(uint32_t unknowns, const std::vector<Row>& rows);
+  ~SeamSystem();
   std::vector<Value> solve(const std::vector<Row>& rows, const std::vector<Texel>& texels);
 
  private:
-  using Matrix = Eigen::SparseMatrix<double>;
+  struct Factors;
   void collect_reads(const std::vector<Row>& rows);
   void collect_neighbours(const std::vector<Row>& rows);
   void order(const std::vector<Row>& rows);
+  void lay_out();
   void assemble(const std::vector<Row>& rows, const std::vector<Texel>& texels);
+  /// Adds what a row says of one of its unknowns to the blocks beside it and to its right side.
+  void add_row(const Row& row, uint32_t which, Value& right);
 
   uint32_t unknowns_;
   std::vector<uint32_t> place_of_, unknown_at_;    // in the order of elimination
   std::vector<uint32_t> first_read_, reads_;       // of each place: 8 x row + which of its unknowns
   std::vector<uint32_t> first_below_, neighbour_;  // of each place: itself and later ones that it meets
-  Matrix matrix_;                                  // lower half
-  Eigen::MatrixXd right_;
-  Eigen::SimplicialLDLT<Matrix, Eigen::Lower, Eigen::NaturalOrdering<int>> factors_;
+  std::vector<Effect> blocks_;                     // of the place in hand with each that it meets
+  std::unique_ptr<Factors> factors_;
 };
 
 extern template class SeamSystem<1, 3>;

@@ -55,9 +55,9 @@ class ColourSeams {
   void linearise(const SeamPlace& place, const SideValues& value, const std::vector<Vec3f>&,
                  System::Row& row) const {
     const Vec3f difference = value[0] - value[1];
-    row.difference << difference.x, difference.y, difference.z;
+    row.difference = {difference.x, difference.y, difference.z};
     for (int k = 0; k < 2; ++k)
-      for (int j = 0; j < 4; ++j) row.effect[4 * k + j](0) = (k == 0 ? 1 : -1) * place.weight[k][j];
+      for (int j = 0; j < 4; ++j) row.effect[4 * k + j][0] = (k == 0 ? 1 : -1) * place.weight[k][j];
   }
 
   /// What takes a texel back to what it was.
@@ -77,7 +77,7 @@ class ColourSeams {
     bool is_clamped = false;
     for (int c = 0; c < 3; ++c) {
       constexpr float kRounding = 1e-5f;
-      const float value = texel[c] + static_cast<float>(by(c));
+      const float value = texel[c] + static_cast<float>(by[c]);
       texel[c] = std::clamp(value, 0.0f, 1.0f);
       is_clamped = is_clamped || std::fabs(value - texel[c]) > kRounding;
     }
@@ -117,14 +117,14 @@ class NormalSeams {
     }
     const Vec3f difference = scale[0] * direction[0] - scale[1] * direction[1];
     const Axes across(normalised(scale[0] * direction[0] + scale[1] * direction[1]));
-    row.difference << dot(difference, across.a), dot(difference, across.b);
+    row.difference = {dot(difference, across.a), dot(difference, across.b)};
     for (int k = 0; k < 2; ++k)
       for (int j = 0; j < 4; ++j) {
         const Axes axes(texels[place.texel[k][j]]);
         const float weight = (k == 0 ? 1 : -1) * place.weight[k][j] * scale[k];
         const Vec3f by_a = to_model(frame[k], weight * axes.a), by_b = to_model(frame[k], weight * axes.b);
-        row.effect[4 * k + j] << dot(by_a, across.a), dot(by_b, across.a), dot(by_a, across.b),
-            dot(by_b, across.b);
+        row.effect[4 * k + j] = {dot(by_a, across.a), dot(by_b, across.a),  //
+                                 dot(by_a, across.b), dot(by_b, across.b)};
       }
   }
 
@@ -143,10 +143,10 @@ class NormalSeams {
 
   static bool change(Vec3f& texel, const System::Value& by) {
     constexpr double kMostTurn = 0.5;  // radians, about: beyond, a step says little
-    const double turn = by.norm(), share = turn > kMostTurn ? kMostTurn / turn : 1;
+    const double turn = std::hypot(by[0], by[1]), share = turn > kMostTurn ? kMostTurn / turn : 1;
     const Axes axes(texel);
-    texel = normalised(texel + static_cast<float>(share * by(0)) * axes.a +
-                       static_cast<float>(share * by(1)) * axes.b);
+    texel = normalised(texel + static_cast<float>(share * by[0]) * axes.a +
+                       static_cast<float>(share * by[1]) * axes.b);
     return false;
   }
 
