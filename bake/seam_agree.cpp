@@ -10,38 +10,32 @@
 #include "bake/seam_places.h"
 #include "bake/seam_values.h"
 
-#ifndef OHB_LAB
-#define OHB_LAB(...)
-#endif
-
 namespace ohb {
 namespace {
 
-#ifdef OHB_TUNE
-#define TUNE static
-#else
-#define TUNE constexpr
-#endif
 /// How much more a texel inside a triangle resists than one of the background.
 constexpr double kInsideHold = 10;
 /// Of a texel that ran into the border of [0,1], in what it resists otherwise; more each time.
 constexpr double kBorderHold = 100, kMoreBorderHold = 4;
+/// Where seams read more of the texels inside triangles than this, agreement would leave nothing of the map.
+constexpr double kMostRead = 2.0 / 3;
 
-/// In limits. Solutions aim at less than what is asked of the places, so that their weights come to rest, and
-/// that is less than the limit, since between places a quadratic rises above them.
-TUNE float kAsked = 1 / kQuadraticOvershoot, kAim = 0.94f;
-
-/// Of points between places.
-constexpr float kAskedBetween = 0.95f;
-
-TUNE double kLeastWeight = 1e-3, kPower = 1.5, kMostGrowth = 8, kMostDecay = 0.6;
 /// What sweeps leave alone.
 constexpr float kSweptColours = 0.25f / 255, kSweptNormals = 0.004f;
 
-TUNE int kSolves = 8;    // of one window
-TUNE int kWindows = 12;  // one after the other
-TUNE int kReach = 3;     // of the first window, in places; twice that every other time
-TUNE int kRefinements = 4;
+/// What is asked of places, in limits: first so little that no quadratic between them rises above the limit;
+/// of the few that are left after some windows less strictly, since the points between are looked at too.
+constexpr float kAsked = 1 / kQuadraticOvershoot, kAskedLater = 0.9f, kAskedBetween = 0.95f;
+constexpr int kStrictWindows = 3;
+/// Solutions aim at less than what is asked, so that weights come to rest.
+constexpr float kAim = 0.94f * kAsked;
+/// The power of a place's distance, in aims, that its weight is multiplied by, and the bounds of that factor.
+constexpr double kPower = 1.5, kMostDecay = 0.6, kMostGrowth = 8, kLeastWeight = 1e-3;
+
+constexpr int kSolves = 8;       // of one window
+constexpr int kWindows = 12;     // one after the other
+constexpr int kReach = 2;        // of the first window, in places; twice that every other time
+constexpr int kRefinements = 4;  // times that points between become places
 
 std::vector<Vec3f> read_texels(const Image& map, const std::vector<uint32_t>& texels) {
   std::vector<Vec3f> values(texels.size());
@@ -76,13 +70,15 @@ class Agreement {
         apart_(places_.size()),
         weight_(places_.size()) {}
 
+  /// Gives how many places stay beyond the limit.
   size_t run() {
     size_t beyond = measure();
     for (int window = 0; window < kWindows && beyond > 0; ++window) {
       mend_window(kReach << (window / 2));
+      if (window + 1 == kStrictWindows) asked_ = kAskedLater;
       beyond = measure();
     }
-    return beyond;
+    return std::count_if(apart_.begin(), apart_.end(), [](float apart) { return !(apart <= 1); });
   }
 
  private:
@@ -97,7 +93,7 @@ class Agreement {
     std::vector<Vec3f> before;  // of the texels
   };
 
-  bool is_beyond(size_t place) const { return !(apart_[place] <= kAsked); }
+  bool is_beyond(size_t place) const { return !(apart_[place] <= asked_); }
 
   void measure(size_t place) {
     apart_[place] =
@@ -160,8 +156,6 @@ class Agreement {
 
   void mend_window(int reach) {
     Window window = window_of(texels_near(reach));
-    OHB_LAB(printf("    window: reach %d texels %zu rows %zu\n", reach, window.texels.size(),
-                   window.rows.size());)
     System system(static_cast<uint32_t>(window.texels.size()), window.rows);
     const double before = excess(window);
     for (int solve = 0; solve < kSolves && excess(window) > 0; ++solve) {
@@ -176,12 +170,11 @@ class Agreement {
   double excess(const Window& window) const {
     double sum = 0;
     for (uint32_t p : window.places)
-      if (is_beyond(p)) sum += apart_[p] - kAsked;
+      if (is_beyond(p)) sum += apart_[p] - asked_;
     return sum;
   }
 
   void return_from_stray(const Window& window) {
-    OHB_LAB(printf("      stray\n");)
     for (size_t u = 0; u < window.texels.size(); ++u) texels_[window.texels[u]] = window.before[u];
     for (uint32_t p : window.places) {
       measure(p);
@@ -194,19 +187,13 @@ class Agreement {
     tbb::parallel_for(size_t{0}, window.rows.size(), [&](size_t r) {
       const uint32_t p = window.places[r];
       const SideValues value = values_at(places_[p], texels_);
-      const double over = apart_[p] / (kAim * kAsked);
+      const double over = apart_[p] / kAim;
       const double factor = std::clamp(std::pow(over, kPower), kMostDecay, kMostGrowth);
       weight_[p] =
           weight_[p] == 0 ? values_.first_weight(value) : std::max(kLeastWeight, factor * weight_[p]);
       window.rows[r].weight = weight_[p];
       values_.linearise(places_[p], value, texels_, window.rows[r]);
     });
-    OHB_LAB({
-      size_t n = 0;
-      float worst = 0;
-      for (uint32_t p : window.places) n += is_beyond(p), worst = std::max(worst, apart_[p]);
-      printf("      beyond %zu worst %.3f\n", n, worst);
-    })
   }
 
   std::vector<typename System::Texel> texels_of(const Window& window) const {
@@ -234,8 +221,9 @@ class Agreement {
   std::vector<Vec3f>& texels_;
   const std::vector<double> hold_;
   std::vector<double> border_hold_;  // in hold_; 0: never ran into a border
-  std::vector<float> apart_;         // of each place, in limits
-  std::vector<double> weight_;       // of each place; 0: in no window yet
+  float asked_ = kAsked;
+  std::vector<float> apart_;    // of each place, in limits
+  std::vector<double> weight_;  // of each place; 0: in no window yet
 };
 
 /// Points between neighbouring places at which the sides are too far apart.
@@ -273,6 +261,13 @@ std::vector<double> hold_of(const std::vector<uint32_t>& texels, const std::vect
   return hold;
 }
 
+bool reads_most(const std::vector<uint32_t>& texels, const std::vector<uint8_t>& is_inside) {
+  const auto read =
+      std::count_if(texels.begin(), texels.end(), [&](uint32_t t) { return is_inside[t] != 0; });
+  const auto all = std::count_if(is_inside.begin(), is_inside.end(), [](uint8_t is) { return is != 0; });
+  return static_cast<double>(read) > kMostRead * static_cast<double>(all);
+}
+
 /// Gives how many points stay beyond the limit.
 template <typename Values>
 size_t make_agree(Image& map, const std::vector<Seam>& seams, const std::vector<uint8_t>& is_inside,
@@ -286,8 +281,6 @@ size_t make_agree(Image& map, const std::vector<Seam>& seams, const std::vector<
     const size_t beyond = Agreement<Values>(places, values, texels, hold_of(places.texels, is_inside)).run();
     write_texels(map, places.texels, texels);
     const std::vector<SeamPoint> points = points_beyond(map, seams, places.places, values);
-    OHB_LAB(printf("    refinement %d: places %zu beyond %zu, between %zu\n", refinement,
-                   places.places.size(), beyond, points.size());)
     if (points.empty() || refinement == kRefinements) return beyond + points.size();
     more.insert(more.end(), points.begin(), points.end());
     std::sort(more.begin(), more.end());
@@ -304,9 +297,11 @@ LevelMending mend_level(Image& map, const std::vector<Seam>& seams, const std::v
   SeamMender(seams, is_inside, map.width_px, map.height_px, 1)
       .mend(map, values, is_normals ? kSweptNormals : kSweptColours);
   LevelMending mending;
-  mending.points_beyond =
-      is_normals ? make_agree(map, seams, is_inside, NormalSeams(seams), places)
-                 : make_agree(map, seams, is_inside, ColourSeams(values == MapValues::kLinearColour), places);
+  mending.is_swept_only = reads_most(places.texels, is_inside);
+  if (!mending.is_swept_only)
+    mending.points_beyond = is_normals ? make_agree(map, seams, is_inside, NormalSeams(seams), places)
+                                       : make_agree(map, seams, is_inside,
+                                                    ColourSeams(values == MapValues::kLinearColour), places);
   const std::vector<Vec3f> after = read_texels(map, places.texels);
   for (size_t t = 0; t < after.size(); ++t)
     if (is_inside[places.texels[t]])
