@@ -136,6 +136,8 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
   if (source) check_overlaps(report, options.source);
   tbb::parallel_invoke(
       [&] {
+        const size_t all_seams = find_seams(mesh.model, triangles_.index, nullptr).size();
+        report.seam_edges_left_out = std::max(all_seams, seams_.size()) - seams_.size();
         if (mends_seams_ && !ships_levels_)
           mender_ = std::make_unique<SeamMender>(seams_, is_inside_, width_px(), height_px());
       },
