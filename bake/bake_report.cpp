@@ -121,6 +121,7 @@ nlohmann::ordered_json to_json(const BakeReport& report) {
                             {"normal_green", set.normal_green},
                             {"zero_length_normals", set.zero_length_normals}});
     json["sets"].back()["seam_edges"] = set.seam_edges;
+    json["sets"].back()["seam_edges_left_out"] = set.seam_edges_left_out;
     for (const MapSeams& seams : set.seams) json["sets"].back()["seams"][seams.map] = json_of(seams);
     if (!report.source.empty())
       json["sets"].back()["source"] = {{"hit_texels", set.hit_texels},

@@ -41,6 +41,7 @@ struct SetReport {
   std::string
       mask_size;  // "1024 x 1024 of 2048 x 2048": of alpha and diffuse where they differ; "" otherwise
   uint64_t seam_edges = 0;
+  uint64_t seam_edges_left_out = 0;  // of triangles that triangles_with_seams leaves out
   std::vector<MapSeams> seams;
   // From a source: what the texels that show a face found, and how far away along their normals.
   uint64_t hit_texels = 0, nearest_texels = 0, missed_texels = 0, back_face_texels = 0;

@@ -160,32 +160,32 @@ SeamBand::SeamBand(const std::vector<Seam>& seams, const std::vector<uint8_t>& i
 template <int kChannels>
 void SeamBand::fill_channels(Image& map, const std::vector<uint8_t>& is_covered, bool is_normals,
                              std::vector<uint8_t>& is_filled) const {
-  tbb::parallel_for(
-      tbb::blocked_range<size_t>(0, carried_.size(), 4096), [&](const tbb::blocked_range<size_t>& range) {
-        for (size_t i = range.begin(); i < range.end(); ++i) {
-          const Carried& to = carried_[i];
-          const Reads reads(to.x, to.y, width_px_, height_px_);
-          const float weights[4] = {(1 - to.right) * (1 - to.down), to.right * (1 - to.down),
-                                    (1 - to.right) * to.down, to.right * to.down};
-          Vec3f value;
-          bool is_known = true;
-          for (int k = 0; k < 4; ++k) {
-            is_known = is_known && is_covered[reads.texel[k]];
-            for (int c = 0; c < kChannels; ++c)
-              value[c] += weights[k] * map.values[reads.texel[k] * kChannels + c];
-          }
-          if (!is_known) continue;
-          if (is_normals) {
-            const Seam& seam = seams_[to.side / 2];
-            const SeamSide &here = seam.side[to.side % 2], &there = seam.side[1 - to.side % 2];
-            const SeamFrame f = frame_at(there, to.along), g = frame_at(here, to.along);
-            value = to_tangent_space(value.x * f.tangent + value.y * f.bitangent + value.z * f.normal,
-                                     g.tangent, g.normal, here.sign);
-          }
-          for (int c = 0; c < kChannels; ++c) map.values[size_t{to.texel} * kChannels + c] = value[c];
-          is_filled[to.texel] = 1;
-        }
-      });
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, carried_.size(), 4096),
+                    [&](const tbb::blocked_range<size_t>& range) {
+                      for (size_t i = range.begin(); i < range.end(); ++i) {
+                        const Carried& to = carried_[i];
+                        const Reads reads(to.x, to.y, width_px_, height_px_);
+                        const float weights[4] = {(1 - to.right) * (1 - to.down), to.right * (1 - to.down),
+                                                  (1 - to.right) * to.down, to.right * to.down};
+                        Vec3f value;
+                        bool is_known = true;
+                        for (int k = 0; k < 4; ++k) {
+                          is_known = is_known && is_covered[reads.texel[k]];
+                          for (int c = 0; c < kChannels; ++c)
+                            value[c] += weights[k] * map.values[reads.texel[k] * kChannels + c];
+                        }
+                        if (!is_known) continue;
+                        if (is_normals) {
+                          const Seam& seam = seams_[to.side / 2];
+                          const SeamSide &here = seam.side[to.side % 2], &there = seam.side[1 - to.side % 2];
+                          const SeamFrame f = frame_at(there, to.along), g = frame_at(here, to.along);
+                          value = to_tangent_space(to_model(f, value), g.tangent, g.normal, here.sign);
+                        }
+                        for (int c = 0; c < kChannels; ++c)
+                          map.values[size_t{to.texel} * kChannels + c] = value[c];
+                        is_filled[to.texel] = 1;
+                      }
+                    });
 }
 
 std::vector<uint8_t> SeamBand::fill(Image& map, const std::vector<uint8_t>& is_covered,

@@ -17,10 +17,6 @@ constexpr float kInsideGive = 0.1f;
 constexpr float kDamping = 0.1f;
 constexpr int kFullSweepEvery = 6;
 
-Vec3f to_model(const SeamFrame& frame, Vec3f v) {
-  return v.x * frame.tangent + v.y * frame.bitangent + v.z * frame.normal;
-}
-
 /// The frames are close to orthonormal, so their transposes carry a change back.
 Vec3f to_frame(const SeamFrame& frame, Vec3f v) {
   return {dot(v, frame.tangent), dot(v, frame.bitangent), dot(v, frame.normal)};
@@ -179,10 +175,10 @@ class SeamMender::Solver {
   Solver(const SeamMender& mender, Image& map, MapValues values, float tolerance)
       : mender_(mender), map_(map), values_(values), tolerance_(tolerance) {}
 
-  void solve(int sweeps) {
+  void solve() {
     gather();
     std::vector<uint8_t> has_moved(mender_.seams_.size(), 1);
-    for (int sweep = 0; sweep < sweeps; ++sweep) {
+    for (int sweep = 0; sweep < kMendSweeps; ++sweep) {
       // Edges that agreed are looked at again only now and then: their neighbours may have moved them.
       const bool is_full = sweep % kFullSweepEvery == 0;
       size_t moved = 0;
@@ -327,10 +323,10 @@ class SeamMender::Solver {
   std::vector<State> state_;  // of the blocks
 };
 
-float SeamMender::mend(Image& map, MapValues values, float tolerance, int sweeps) const {
+float SeamMender::mend(Image& map, MapValues values, float tolerance) const {
   Solver solver(*this, map, values, tolerance);
   const std::vector<Vec3f> before = solver.texels();
-  for (int round = 0; round < kMendRounds; ++round) solver.solve(sweeps);
+  for (int round = 0; round < kMendRounds; ++round) solver.solve();
   const std::vector<Vec3f> after = solver.texels();
   float most = 0;
   for (size_t b = 0; b < before.size(); ++b)

@@ -9,11 +9,6 @@ namespace ohb {
 
 constexpr int kMendRounds = 2;
 constexpr int kMendSweeps = 12;
-/// Of a level by itself, that no finer one is made of: ten times as many halve what stays apart. At level 0
-/// they would move texels inside charts more than twice as far; so they would in levels below a size at which
-/// most texels lie at a seam.
-constexpr int kLevelSweeps = 120;
-constexpr int kLeastOfLevelSweeps_px = 128;
 
 /// What the mending of all maps of one set shares: which blocks of texels the lookups along the seams read at
 /// some mip levels, two lookups a block's length.
@@ -37,7 +32,7 @@ class SeamMender {
 
   /// The order is fixed, so are the bits. Normals stay unit vectors, other values within [0,1]. Gives the
   /// greatest change of a texel inside a triangle. Several maps may be mended at once.
-  float mend(Image& map, MapValues values, float tolerance, int sweeps = kMendSweeps) const;
+  float mend(Image& map, MapValues values, float tolerance) const;
 
  private:
   static constexpr uint32_t kNone = 0xffffffffu;

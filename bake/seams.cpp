@@ -131,8 +131,7 @@ Vec3f value_at(const SparseLevel& level, const SeamLookup& lookup) {
 double difference(Vec3f a, Vec3f b, const Seam& seam, float along, int channels, MapValues values) {
   if (values == MapValues::kNormals) {
     const SeamFrame f = frame_at(seam.side[0], along), g = frame_at(seam.side[1], along);
-    const Vec3f m = a.x * f.tangent + a.y * f.bitangent + a.z * f.normal;
-    const Vec3f n = b.x * g.tangent + b.y * g.bitangent + b.z * g.normal;
+    const Vec3f m = to_model(f, a), n = to_model(g, b);
     return std::atan2(length(cross(m, n)), dot(m, n)) * 180 / 3.14159265358979;
   }
   double worst = 0;

@@ -67,5 +67,8 @@ struct SeamFrame {
   Vec3f tangent, bitangent, normal;
 };
 SeamFrame frame_at(const SeamSide& side, float along);
+inline Vec3f to_model(const SeamFrame& frame, Vec3f v) {
+  return v.x * frame.tangent + v.y * frame.bitangent + v.z * frame.normal;
+}
 
 }  // namespace ohb

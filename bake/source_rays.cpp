@@ -85,13 +85,31 @@ SourcePoint choose(const SourceSurface& source, const Way& outward, const Way& i
   return nearest_source(source, origin, direction, reach_cm, start, none);
 }
 
-/// Whether the way goes on behind this hit, which then says why it ends if it does.
-bool goes_on(const SourceSurface& source, uint32_t triangle, Vec3f geometric, Vec3f outwards, float u,
-             float v, float t, float start, Way& way) {
-  const bool faces_outwards = dot(source.side_normal(triangle, geometric, u, v), outwards) > 0;
-  way = {faces_outwards ? RayResult::kHit : RayResult::kBackFace, triangle, u, v, std::max(0.0f, t - start)};
-  return !faces_outwards && t <= kCoincidentStarts * start;
-}
+/// One way of one point: the layers that it passed, and what it found.
+class Passage {
+ public:
+  /// Whether the way goes on behind a hit, from t_near() on; what it says otherwise is in `way`.
+  bool goes_on(const SourceSurface& source, uint32_t triangle, Vec3f geometric, Vec3f outwards, float u,
+               float v, float t, float start, Way& way) {
+    // As beyond says: the layer passed last may be reported again.
+    const bool is_met_again = triangle == passed_;
+    if (!is_met_again) {
+      const bool faces_outwards = dot(source.side_normal(triangle, geometric, u, v), outwards) > 0;
+      way = {faces_outwards ? RayResult::kHit : RayResult::kBackFace, triangle, u, v,
+             std::max(0.0f, t - start)};
+      if (faces_outwards || t > kCoincidentStarts * start || layers_++ == kMostCoincident) return false;
+    }
+    passed_ = triangle;
+    t_near_ = beyond(t, t_near_);
+    return true;
+  }
+  float t_near() const { return t_near_; }
+
+ private:
+  uint32_t passed_ = kNoTriangle;
+  int layers_ = 0;
+  float t_near_ = 0;
+};
 
 /// `sign` +1 goes outwards, -1 inwards.
 void trace_eight(const SourceSurface& source, const RayPacket& packet, float sign, const float* limit_cm,
@@ -107,20 +125,20 @@ void trace_eight(const SourceSurface& source, const RayPacket& packet, float sig
     r.ray.mask[i] = 0xffffffffu, r.ray.id[i] = 0, r.ray.flags[i] = 0;
     r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  bool any = true;
-  for (int layer = 0; layer <= kMostCoincident && any; ++layer) {
+  Passage passages[RayPacket::kSize];
+  for (bool any = true; any;) {
     intersect_eight(source.bvh(), valid, r);
     any = false;
     for (int i = 0; i < packet.count; ++i) {
       if (!valid[i]) continue;
       valid[i] = 0;
       if (r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-      if (!goes_on(source, r.hit.primID[i], {r.hit.Ng_x[i], r.hit.Ng_y[i], r.hit.Ng_z[i]},
-                   packet.direction[i], r.hit.u[i], r.hit.v[i], r.ray.tfar[i], start, ways[i]))
+      if (!passages[i].goes_on(source, r.hit.primID[i], {r.hit.Ng_x[i], r.hit.Ng_y[i], r.hit.Ng_z[i]},
+                               packet.direction[i], r.hit.u[i], r.hit.v[i], r.ray.tfar[i], start, ways[i]))
         continue;
       valid[i] = -1;
       any = true;
-      r.ray.tnear[i] = std::nextafter(r.ray.tfar[i], INFINITY);
+      r.ray.tnear[i] = passages[i].t_near();
       r.ray.tfar[i] = limit_cm[i] + start;
       r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     }
@@ -131,20 +149,19 @@ Way trace_one(const SourceSurface& source, Vec3f origin, Vec3f outwards, float s
               float start) {
   Way way;
   const Vec3f d = sign * outwards, o = origin - start * d;
-  float t_near = 0;
-  for (int layer = 0; layer <= kMostCoincident; ++layer) {
+  Passage passage;
+  for (;;) {
     RTCRayHit r;
     r.ray.org_x = o.x, r.ray.org_y = o.y, r.ray.org_z = o.z;
     r.ray.dir_x = d.x, r.ray.dir_y = d.y, r.ray.dir_z = d.z;
-    r.ray.tnear = t_near, r.ray.tfar = limit_cm + start, r.ray.time = 0;
+    r.ray.tnear = passage.t_near(), r.ray.tfar = limit_cm + start, r.ray.time = 0;
     r.ray.mask = 0xffffffffu, r.ray.id = 0, r.ray.flags = 0;
     r.hit.geomID = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     intersect_one(source.bvh(), r);
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) break;
-    if (!goes_on(source, r.hit.primID, {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, outwards, r.hit.u, r.hit.v,
-                 r.ray.tfar, start, way))
+    if (!passage.goes_on(source, r.hit.primID, {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, outwards, r.hit.u,
+                         r.hit.v, r.ray.tfar, start, way))
       break;
-    t_near = std::nextafter(r.ray.tfar, INFINITY);
   }
   return way;
 }

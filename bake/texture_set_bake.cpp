@@ -11,6 +11,7 @@
 
 #include "bake/padding.h"
 #include "bake/picture.h"
+#include "bake/seam_agree.h"
 #include "bake/set_report.h"
 #include "bake/uv_charts.h"
 
@@ -101,9 +102,6 @@ std::vector<uint8_t> any_of_blocks(const std::vector<uint8_t>& values, int width
   return any;
 }
 
-/// A quarter of the limits of seams.h.
-constexpr float kMipColourTolerance = 0.25f / 255, kMipNormalTolerance = 0.004f;
-
 }  // namespace
 
 SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, const MaterialTable& table,
@@ -117,6 +115,7 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
                                                    : options.class_weights[mesh.material_of_set[set]]),
       report_(report),
       triangles_(triangles_of(mesh.model, set)),
+      ships_levels_(options.wants_mips),
       from_source_(source != nullptr) {
   report.name = material_.name;
   report.diffuse = material_.diffuse.file.filename().string();
@@ -133,10 +132,13 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
   seams_ = find_seams(mesh.model, triangles_with_seams(charts, triangles_.index, triangles_.uvs, coverage_),
                       &frames);
   report.seam_edges = seams_.size();
+  mends_seams_ = options.mends_seams && !seams_.empty();
   if (source) check_overlaps(report, options.source);
   tbb::parallel_invoke(
       [&] {
-        if (!seams_.empty() && options.mends_seams)
+        const size_t all_seams = find_seams(mesh.model, triangles_.index, nullptr).size();
+        report.seam_edges_left_out = std::max(all_seams, seams_.size()) - seams_.size();
+        if (mends_seams_ && !ships_levels_)
           mender_ = std::make_unique<SeamMender>(seams_, is_inside_, width_px(), height_px());
       },
       [&] {
@@ -265,8 +267,9 @@ void SetBake::finish_seams(Image& image, const char* map, MapValues values) {
   // Both sides of a class map already agree at level 0: each is constant up to the seam, and the band goes
   // on.
   const bool is_mended = is_normals || values == MapValues::kLinearColour;
-  if (mender_ && is_mended)
-    report.most_changed = mender_->mend(image, values, is_normals ? 0.008f : 0.5f / 255);
+  if (is_mended && mends_seams_)
+    report.most_changed = mender_ ? mender_->mend(image, values, is_normals ? 0.008f : 0.5f / 255)
+                                  : mend_level(image, seams_, is_inside_, values).most_changed;
   report.levels = seam_errors(image, seams_, values);
   report_seams(std::move(report));
 }
@@ -300,7 +303,7 @@ void SetBake::report_shipped(const char* map, std::vector<SeamError> levels) {
 
 std::vector<Image> SetBake::mips_of(const Image& map, const MapKind& kind) {
   const bool is_normals = kind.image == &TextureSet::normal;
-  const bool is_mended = mender_ && (is_normals || kind.image == &TextureSet::albedo);
+  const bool is_mended = mends_seams_ && (is_normals || kind.image == &TextureSet::albedo);
   const MapValues values = is_normals ? MapValues::kNormals : MapValues::kLinearColour;
   std::vector<Image> mips;
   std::vector<SeamError> errors;
@@ -314,9 +317,7 @@ std::vector<Image> SetBake::mips_of(const Image& map, const MapKind& kind) {
     mips.push_back(plain);
     if (is_normals) normalise_pixels(mips.back());
     if (!is_mended || level >= kSeamLevels) continue;
-    const int sweeps = std::min(width, height) < kLeastOfLevelSweeps_px ? kMendSweeps : kLevelSweeps;
-    SeamMender(seams_, is_inside, width, height, 1)
-        .mend(mips.back(), values, is_normals ? kMipNormalTolerance : kMipColourTolerance, sweeps);
+    mend_level(mips.back(), seams_, is_inside, values);
     errors.push_back(seam_errors(mips.back(), seams_, values, 1).front());
   }
   if (!errors.empty()) report_shipped(kind.name, std::move(errors));

@@ -1,5 +1,10 @@
-// What differs between Embree 3 and 4 (no other file includes their headers).
+// Embree: what differs between its versions 3 and 4 (no other file includes their headers), and how a ray
+// goes on behind a hit.
 #pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -58,5 +63,15 @@ inline void occluded_one(RTCScene scene, RTCRay& ray) {
   rtcOccluded1(scene, &context, &ray);
 #endif
 }
+
+/// Where a ray that passes a hit at t goes on. Embree compares with a distance before its last rounding: from
+/// the next number on it may report the same hit again (one in a thousand), for ever if the ray does not move
+/// on. So this moves at each call, over subnormal numbers too, which count as 0; who counts hits must leave
+/// out those of the triangle passed last.
+inline float beyond(float t, float t_near) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  return std::fmax(std::nextafter(std::fmax(t, t_near), kInfinity), std::numeric_limits<float>::min());
+}
+constexpr uint32_t kNoTriangle = 0xffffffffu;
 
 }  // namespace ohb

@@ -42,16 +42,6 @@ inline RTCRayHit embree_ray(const Ray& ray, float t_near, float t_far) {
   return r;
 }
 
-/// Where a ray that passes a hit at t goes on. Embree compares with a distance before its last rounding: from
-/// the next number on it may report the same hit again (one in a thousand), for ever if the ray does not move
-/// on. So this moves at each call, over subnormal numbers too, which count as 0; who counts hits must leave
-/// out those of the triangle passed last.
-inline float beyond(float t, float t_near) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  return std::fmax(std::nextafter(std::fmax(t, t_near), kInfinity), std::numeric_limits<float>::min());
-}
-constexpr uint32_t kNoTriangle = 0xffffffffu;
-
 /// Closest hit of one bounding volume hierarchy; false if there is none in [t_near, t_far].
 inline bool intersect_bvh(RTCScene bvh, uint32_t first_triangle, const Ray& ray, float t_near, float t_far,
                           Hit& hit) {

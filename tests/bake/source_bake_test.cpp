@@ -182,30 +182,6 @@ TEST(SourceBake, ObjectNormalsDoNotKnowHowTheChartLies) {
     }
 }
 
-/// Both meshes in one.
-Model joined(Model a, const Model& b) {
-  const uint32_t positions = static_cast<uint32_t>(a.positions_cm.size());
-  const uint32_t uvs = static_cast<uint32_t>(a.uvs.size());
-  a.positions_cm.insert(a.positions_cm.end(), b.positions_cm.begin(), b.positions_cm.end());
-  a.uvs.insert(a.uvs.end(), b.uvs.begin(), b.uvs.end());
-  for (ModelTriangle triangle : b.triangles) {
-    for (int c = 0; c < 3; ++c) {
-      triangle.position[c] += positions;
-      triangle.uv[c] += uvs;
-    }
-    a.triangles.push_back(triangle);
-  }
-  return a;
-}
-
-Model turned_over(Model model) {
-  for (ModelTriangle& triangle : model.triangles) {
-    std::swap(triangle.position[1], triangle.position[2]);
-    std::swap(triangle.uv[1], triangle.uv[2]);
-  }
-  return model;
-}
-
 TEST(SourceBake, AThinSheetGivesItsNearSideOnly) {
   const auto sheet = [](float z) { return height_field(20, 10, [z](float, float) { return z; }); };
   // A sheet 1 mm thick, another one 1 cm behind it, as a leg behind a leg; the low mesh before and inside it.
@@ -254,36 +230,6 @@ TEST(SourceBake, DoubleSidedSheetsAreNotTheirOwnBackFace) {
     EXPECT_EQ(baked.maps.results[i], RayResult::kHit);
     EXPECT_NEAR(baked.maps.height.values[i], 0, 1e-4f);
   }
-}
-
-TEST(SourceBake, PacketsFindWhatSingleRaysFind) {
-  const Model high = sphere_model(30, 90, TextureSet());
-  const SourceSurface surface(scan_of_model(high, "high.obj"), 1, {0, 0, 0}, {});
-  std::mt19937 random(5);
-  std::uniform_real_distribution<float> any(-1, 1);
-  int found = 0;
-  for (int round = 0; round < 500; ++round) {
-    RayPacket packet;
-    packet.count = 1 + round % RayPacket::kSize;
-    packet.inward_cm = 2;
-    for (int i = 0; i < packet.count; ++i) {
-      packet.direction[i] = normalised({any(random), any(random), any(random)});
-      packet.origin[i] = Vec3f{0, 30, 0} + (30 + 4 * any(random)) * packet.direction[i];
-      if (i % 3 == 0) packet.direction[i] = -packet.direction[i];  // only back faces
-      packet.outward_cm[i] = 3;
-    }
-    SourcePoint points[RayPacket::kSize];
-    find_source(surface, packet, points);
-    for (int i = 0; i < packet.count; ++i) {
-      const SourcePoint one = find_source_of_one(surface, packet.origin[i], packet.direction[i],
-                                                 packet.outward_cm[i], packet.inward_cm);
-      EXPECT_EQ(points[i].result, one.result);
-      if (one.result != RayResult::kHit) continue;
-      EXPECT_NEAR(points[i].distance_cm, one.distance_cm, 1e-4f);
-      ++found;
-    }
-  }
-  EXPECT_GT(found, 500);
 }
 
 /// A bumpy sheet with a picture and a normal map, as scan and regions.

@@ -42,4 +42,28 @@ inline Model height_field(int cells, float edge_cm, const std::function<float(fl
       TextureSet());
 }
 
+/// Both meshes in one.
+inline Model joined(Model a, const Model& b) {
+  const uint32_t positions = static_cast<uint32_t>(a.positions_cm.size());
+  const uint32_t uvs = static_cast<uint32_t>(a.uvs.size());
+  a.positions_cm.insert(a.positions_cm.end(), b.positions_cm.begin(), b.positions_cm.end());
+  a.uvs.insert(a.uvs.end(), b.uvs.begin(), b.uvs.end());
+  for (ModelTriangle triangle : b.triangles) {
+    for (int c = 0; c < 3; ++c) {
+      triangle.position[c] += positions;
+      triangle.uv[c] += uvs;
+    }
+    a.triangles.push_back(triangle);
+  }
+  return a;
+}
+
+inline Model turned_over(Model model) {
+  for (ModelTriangle& triangle : model.triangles) {
+    std::swap(triangle.position[1], triangle.position[2]);
+    std::swap(triangle.uv[1], triangle.uv[2]);
+  }
+  return model;
+}
+
 }  // namespace ohb
