@@ -1,14 +1,12 @@
 #include "bake/bake.h"
 
-#include <tbb/parallel_invoke.h>
-#include <tbb/parallel_pipeline.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bake/jobs.h"
 #include "bake/texture_set_bake.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
@@ -106,20 +104,6 @@ std::unique_ptr<SourceBake> source_of(const CanonicalMesh& mesh, const MeshFrame
   return source;
 }
 
-using Jobs = std::vector<std::function<void()>>;
-
-/// So many at a time, each with all threads inside: of two, a map is written while the next is made, and few
-/// are in memory at once.
-void run_jobs(const Jobs& jobs, size_t at_once) {
-  size_t next = 0;
-  tbb::parallel_pipeline(
-      at_once,
-      tbb::make_filter<void, size_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& flow) {
-        if (next == jobs.size()) flow.stop();
-        return next++;
-      }) & tbb::make_filter<size_t, void>(tbb::filter_mode::parallel, [&](size_t job) { jobs[job](); }));
-}
-
 /// Makes the maps of kMapKinds and gives each to `use`, empty ones where the set has none.
 Jobs map_jobs(SetBake& set, const std::function<void(const MapKind&, Image)>& use) {
   const auto kind_of = [](Image TextureSet::*image) -> const MapKind& {
@@ -175,6 +159,7 @@ TextureSetEntry write_set(SetBake& set, const std::filesystem::path& folder, Tex
   // Maps of 8192 x 8192 from a source leave room in 4 GiB for the levels of one.
   constexpr size_t kMostTexelsInPairs = size_t{1} << 25;
   const bool are_large = static_cast<size_t>(set.width_px()) * set.height_px() > kMostTexelsInPairs;
+  // Of two, a map is written while the next is made, and few are in memory at once.
   run_jobs(jobs, wants_mips && are_large ? 1 : 2);
   for (size_t i = 0; i < kMapKinds.size(); ++i)
     if (is_named[i]) entry.maps.push_back(kMapKinds[i].name);
@@ -197,8 +182,8 @@ BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const Materi
   const CanonicalMesh mesh = mesh_of(scan, regions, options, report);
   MeshFrames frames;
   std::unique_ptr<SourceBake> source;
-  tbb::parallel_invoke([&] { frames = frames_of(mesh.model); },
-                       [&] { source = source_of(mesh, frames, scan, options, report); });
+  run_side_by_side({[&] { frames = frames_of(mesh.model); },
+                    [&] { source = source_of(mesh, frames, scan, options, report); }});
   const std::vector<std::string> folders = folders_of(mesh);
   report.sets.resize(folders.size());
   std::vector<TextureSetEntry> entries;
@@ -224,8 +209,8 @@ Model bake(const Scan& scan, const Regions& regions, const MaterialTable& table,
   CanonicalMesh mesh = mesh_of(scan, regions, options, out);
   MeshFrames frames;
   std::unique_ptr<SourceBake> source;
-  tbb::parallel_invoke([&] { frames = frames_of(mesh.model); },
-                       [&] { source = source_of(mesh, frames, scan, options, out); });
+  run_side_by_side({[&] { frames = frames_of(mesh.model); },
+                    [&] { source = source_of(mesh, frames, scan, options, out); }});
   const std::vector<std::string> folders = folders_of(mesh);
   out.sets.resize(folders.size());
   for (size_t i = 0; i < folders.size(); ++i) {

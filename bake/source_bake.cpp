@@ -1,11 +1,11 @@
 #include "bake/source_bake.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "bake/jobs.h"
 #include "bake/uv_charts.h"
 
 namespace ohb {
@@ -52,8 +52,8 @@ class Pass {
     }
     const int width = coverage.width_px, height = coverage.height_px;
     const auto make = [&](Image& map, int channels) { map = Image(width, height, channels); };
-    tbb::parallel_invoke([&] { make(maps_.albedo, 3); }, [&] { make(maps_.normal, 3); },
-                         [&] { make(maps_.displacement, 1); }, [&] { make(maps_.height, 1); });
+    run_side_by_side({[&] { make(maps_.albedo, 3); }, [&] { make(maps_.normal, 3); },
+                      [&] { make(maps_.displacement, 1); }, [&] { make(maps_.height, 1); }});
     if (bake.surface->has_alpha()) make(maps_.alpha, 1);
     if (bake.wants_object_normals) make(maps_.object_normal, 3);
     maps_.results.assign(coverage.owner.size(), RayResult::kNoFace);

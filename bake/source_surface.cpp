@@ -1,7 +1,6 @@
 #include "bake/source_surface.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "bake/jobs.h"
 #include "bake/texel_coverage.h"
 #include "dataset/model/error.h"
 
@@ -106,12 +106,12 @@ SourceSurface::SourceSurface(const Scan& scan, double unit_cm, Vec3f shift_cm,
   for (const ModelTriangle& triangle : mesh.triangles)
     indices_.insert(indices_.end(), std::begin(triangle.position), std::end(triangle.position));
   std::vector<Vec3f> normals;
-  tbb::parallel_invoke([&] { read_materials(scan, mesh, green); },
-                       [&] {
-                         normals = smooth_normals(mesh);
-                         set_triangles(mesh, normals);
-                         build_bvh();
-                       });
+  run_side_by_side({[&] { read_materials(scan, mesh, green); },
+                    [&] {
+                      normals = smooth_normals(mesh);
+                      set_triangles(mesh, normals);
+                      build_bvh();
+                    }});
   if (std::any_of(materials_.begin(), materials_.end(),
                   [](const SourceMaterial& material) { return !material.normal.empty(); }))
     tangents_ = mikktspace_tangents(mesh, normals);

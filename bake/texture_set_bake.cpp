@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "bake/jobs.h"
 #include "bake/padding.h"
 #include "bake/picture.h"
 #include "bake/seam_agree.h"
@@ -134,18 +134,19 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
   report.seam_edges = seams_.size();
   mends_seams_ = options.mends_seams && !seams_.empty();
   if (source) check_overlaps(report, options.source);
-  tbb::parallel_invoke(
-      [&] {
-        const size_t all_seams = find_seams(mesh.model, triangles_.index, nullptr).size();
-        report.seam_edges_left_out = std::max(all_seams, seams_.size()) - seams_.size();
-        if (mends_seams_ && !ships_levels_)
-          mender_ = std::make_unique<SeamMender>(seams_, is_inside_, width_px(), height_px());
-      },
-      [&] {
-        if (!seams_.empty()) band_ = std::make_unique<SeamBand>(seams_, has_class_, width_px(), height_px());
-        if (source)
-          source_ = bake_from_source(mesh.model, triangles_.index, triangles_.uvs, coverage_, *source);
-      });
+  run_side_by_side({[&] {
+                      const size_t all_seams = find_seams(mesh.model, triangles_.index, nullptr).size();
+                      report.seam_edges_left_out = std::max(all_seams, seams_.size()) - seams_.size();
+                      if (mends_seams_ && !ships_levels_)
+                        mender_ = std::make_unique<SeamMender>(seams_, is_inside_, width_px(), height_px());
+                    },
+                    [&] {
+                      if (!seams_.empty())
+                        band_ = std::make_unique<SeamBand>(seams_, has_class_, width_px(), height_px());
+                      if (source)
+                        source_ = bake_from_source(mesh.model, triangles_.index, triangles_.uvs, coverage_,
+                                                   *source);
+                    }});
   if (!source) return;
   reach_cm_ = std::max(source->outward_cm, source->inward_cm);
   report_source();

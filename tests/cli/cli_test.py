@@ -25,13 +25,7 @@ def run(*arguments, file_size_limit=None):
     def limit():
         if file_size_limit is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (file_size_limit, file_size_limit))
-    for attempt in range(2):
-        result = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, preexec_fn=limit, timeout=300)
-        # The program sends no SIGKILL: the machine did, for want of memory, say.
-        if result.returncode != -signal.SIGKILL:
-            break
-        print(f"killed from outside, attempt {attempt + 1}: {arguments}", file=sys.stderr)
-    return result
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, preexec_fn=limit, timeout=300)
 
 
 def png(path, size_px, colour_of):
