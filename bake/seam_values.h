@@ -116,21 +116,21 @@ class NormalSeams {
       scale[k] = 1 / std::max(length(direction[k]), kShortest);
     }
     const Vec3f difference = scale[0] * direction[0] - scale[1] * direction[1];
-    const Axes across(normalised(scale[0] * direction[0] + scale[1] * direction[1]));
-    row.difference = {dot(difference, across.a), dot(difference, across.b)};
+    const Frame across(normalised(scale[0] * direction[0] + scale[1] * direction[1]));
+    row.difference = {dot(difference, across.s), dot(difference, across.t)};
     for (int k = 0; k < 2; ++k)
       for (int j = 0; j < 4; ++j) {
-        const Axes axes(texels[place.texel[k][j]]);
+        const Frame axes(texels[place.texel[k][j]]);
         const float weight = (k == 0 ? 1 : -1) * place.weight[k][j] * scale[k];
-        const Vec3f by_a = to_model(frame[k], weight * axes.a), by_b = to_model(frame[k], weight * axes.b);
-        row.effect[4 * k + j] = {dot(by_a, across.a), dot(by_b, across.a),  //
-                                 dot(by_a, across.b), dot(by_b, across.b)};
+        const Vec3f by_a = to_model(frame[k], weight * axes.s), by_b = to_model(frame[k], weight * axes.t);
+        row.effect[4 * k + j] = {dot(by_a, across.s), dot(by_b, across.s),  //
+                                 dot(by_a, across.t), dot(by_b, across.t)};
       }
   }
 
   static System::Value back(Vec3f texel, Vec3f before) {
-    const Axes axes(texel);
-    return {dot(axes.a, before - texel), dot(axes.b, before - texel)};
+    const Frame axes(texel);
+    return {dot(axes.s, before - texel), dot(axes.t, before - texel)};
   }
 
   /// Frames turn along an edge and lengths change: no quadratics.
@@ -144,23 +144,13 @@ class NormalSeams {
   static bool change(Vec3f& texel, const System::Value& by) {
     constexpr double kMostTurn = 0.5;  // radians, about: beyond, a step says little
     const double turn = std::hypot(by[0], by[1]), share = turn > kMostTurn ? kMostTurn / turn : 1;
-    const Axes axes(texel);
-    texel = normalised(texel + static_cast<float>(share * by[0]) * axes.a +
-                       static_cast<float>(share * by[1]) * axes.b);
+    const Frame axes(texel);
+    texel = normalised(texel + static_cast<float>(share * by[0]) * axes.s +
+                       static_cast<float>(share * by[1]) * axes.t);
     return false;
   }
 
  private:
-  /// Perpendicular to n and to each other (Duff et al. 2017, "Building an orthonormal basis, revisited").
-  struct Axes {
-    Vec3f a, b;
-    explicit Axes(Vec3f n) {
-      const float sign = std::copysign(1.0f, n.z), p = -1 / (sign + n.z), q = n.x * n.y * p;
-      a = {1 + sign * n.x * n.x * p, sign * q, -sign * n.x};
-      b = {q, sign + n.y * n.y * p, -n.y};
-    }
-  };
-
   const std::vector<Seam>& seams_;
 };
 

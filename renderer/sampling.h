@@ -147,19 +147,6 @@ inline float turns_of(float y, float x) {
   return y < 0 ? -turns : turns;
 }
 
-/// An orthonormal frame about a unit vector (Duff et al. 2017).
-struct Frame {
-  Vec3f s, t, n;
-  explicit Frame(Vec3f normal) : n(normal) {
-    const float sign = std::copysign(1.0f, n.z);
-    const float a = -1.0f / (sign + n.z), b = n.x * n.y * a;
-    s = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
-    t = {b, sign + n.y * n.y * a, -n.y};
-  }
-  Vec3f to_local(Vec3f v) const { return {dot(v, s), dot(v, t), dot(v, n)}; }
-  Vec3f to_world(Vec3f v) const { return v.x * s + v.y * t + v.z * n; }
-};
-
 /// A point of the unit disk, uniform (polar; u1 = 0 is the centre). pdf 1 / pi in area.
 inline Vec2f sample_disk(float u1, float u2) {
   const float radius = std::sqrt(u1);

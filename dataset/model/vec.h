@@ -97,4 +97,18 @@ inline float mean(Vec3f a) {
   return (a.x + a.y + a.z) * (1.0f / 3.0f);
 }
 
+/// An orthonormal frame about a unit vector (Duff et al. 2017, "Building an orthonormal basis,
+/// revisited").
+struct Frame {
+  Vec3f s, t, n;
+  explicit Frame(Vec3f normal) : n(normal) {
+    const float sign = std::copysign(1.0f, n.z);
+    const float a = -1.0f / (sign + n.z), b = n.x * n.y * a;
+    s = {1.0f + sign * n.x * n.x * a, sign * b, -sign * n.x};
+    t = {b, sign + n.y * n.y * a, -n.y};
+  }
+  Vec3f to_local(Vec3f v) const { return {dot(v, s), dot(v, t), dot(v, n)}; }
+  Vec3f to_world(Vec3f v) const { return v.x * s + v.y * t + v.z * n; }
+};
+
 }  // namespace ohb
