@@ -40,10 +40,10 @@ MaterialMaps on_black(const MaterialMaps& maps, const Tensor& mask) {
 }
 
 /// The frame in cm, from the height that the mask covers.
-struct Frame {
+struct PictureFrame {
   double half_cm, center_y_cm;
 };
-Frame frame_of(const Image& mask, const Crop& crop, double height_cm) {
+PictureFrame frame_of(const Image& mask, const Crop& crop, double height_cm) {
   int top = mask.height_px, bottom = -1;
   for (int y = 0; y < mask.height_px; ++y)
     for (int x = 0; x < mask.width_px; ++x)
@@ -66,7 +66,8 @@ void write_pngs(const fs::path& folder, const MaterialMaps& maps, const Foregrou
   write("input", (foreground.input.slice(1, 0, 3) + 1) / 2);
 }
 
-void write_maps_exr(const fs::path& file, const MaterialMaps& maps, const Tensor& mask, const Frame& frame) {
+void write_maps_exr(const fs::path& file, const MaterialMaps& maps, const Tensor& mask,
+                    const PictureFrame& frame) {
   const auto part = [](const char* name, std::vector<std::string> channels, const Tensor& map) {
     return ExrPart{name, std::move(channels), ExrPart::Type::kFloat, image_of(map)};
   };
@@ -78,7 +79,8 @@ void write_maps_exr(const fs::path& file, const MaterialMaps& maps, const Tensor
             {{"ohb:displacementRange_cm", std::to_string(frame.half_cm)}});
 }
 
-nlohmann::json maps_json(const EstimateOptions& options, const EstimateReport& report, const Frame& frame) {
+nlohmann::json maps_json(const EstimateOptions& options, const EstimateReport& report,
+                         const PictureFrame& frame) {
   nlohmann::json maps;
   for (const auto& [name, encoding] : {std::pair{"mask", "coverage"},
                                        {"normal", "offset"},
@@ -140,7 +142,7 @@ EstimateReport estimate(const EstimateOptions& options) {
   const auto start = std::chrono::steady_clock::now();
   const MaterialMaps maps = on_black(estimator.estimate(foreground.input), foreground.mask);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const Frame frame = frame_of(mask, report.crop, options.person_height_cm);
+  const PictureFrame frame = frame_of(mask, report.crop, options.person_height_cm);
   write_pngs(folder.path(), maps, foreground);
   write_maps_exr(folder.path() / "maps.exr", maps, foreground.mask, frame);
   write_file_atomically(folder.path() / "maps.json", maps_json(options, report, frame).dump(2) + "\n");
