@@ -447,10 +447,13 @@ TEST(LabelBake, HostileInputsAreRefusedInWordsAndLeaveNothing) {
   }
 }
 
+const std::string kProgram = OHB_BINARY_DIR "/bin/openhumanbrdf";
+#define SKIP_WITHOUT_PROGRAM() \
+  if (!fs::exists(kProgram)) GTEST_SKIP() << kProgram << " is not built"
+
 /// Starts `openhumanbrdf bake` of the square in a process of its own, which may write files of that size
 /// only.
 pid_t start_bake(const Square& square, rlim_t largest_file) {
-  const std::string program = OHB_BINARY_DIR "/bin/openhumanbrdf";
   const pid_t child = ::fork();
   if (child != 0) return child;
   if (!std::freopen("/dev/null", "w", stdout)) ::_exit(126);
@@ -458,7 +461,7 @@ pid_t start_bake(const Square& square, rlim_t largest_file) {
   ::signal(SIGXFSZ, SIG_IGN);
   const rlimit limit{largest_file, largest_file};
   ::setrlimit(RLIMIT_FSIZE, &limit);
-  ::execl(program.c_str(), program.c_str(), "bake", square.bake.scan.c_str(), "--regions",
+  ::execl(kProgram.c_str(), kProgram.c_str(), "bake", square.bake.scan.c_str(), "--regions",
           square.bake.regions.c_str(), "-o", square.bake.output.c_str(), "--json", nullptr);
   ::_exit(127);
 }
@@ -470,6 +473,7 @@ int exit_code_of(pid_t child) {
 }
 
 TEST(LabelBake, FullDiskIsToldApartAndLeavesNothing) {
+  SKIP_WITHOUT_PROGRAM();
   Square square;
   label_scan(square.label);
   const size_t before = entries_of(square.folder.path());
@@ -483,6 +487,7 @@ TEST(LabelBake, FullDiskIsToldApartAndLeavesNothing) {
 }
 
 TEST(LabelBake, KilledHalfwayLeavesNoModel) {
+  SKIP_WITHOUT_PROGRAM();
   Square square;
   write_small_png(square.folder / "p.png", 3, 1024);
   label_scan(square.label);
