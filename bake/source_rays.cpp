@@ -127,7 +127,7 @@ void trace_eight(const SourceSurface& source, const RayPacket& packet, float sig
   }
   Passage passages[RayPacket::kSize];
   for (bool any = true; any;) {
-    intersect_eight(source.bvh(), valid, r);
+    intersect_eight(source.bvh(), valid, r, true);
     any = false;
     for (int i = 0; i < packet.count; ++i) {
       if (!valid[i]) continue;

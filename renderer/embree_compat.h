@@ -27,17 +27,18 @@ inline void intersect_one(RTCScene scene, RTCRayHit& ray_hit) {
 #endif
 }
 
-/// Closest hits of up to eight rays that run alike; lanes with valid 0 are left alone, -1 are traced.
-inline void intersect_eight(RTCScene scene, const int* valid, RTCRayHit8& ray_hits) {
+/// Closest hits of up to eight rays; lanes with valid 0 are left alone, -1 are traced. Faster for rays of a
+/// camera if it is told that they run alike.
+inline void intersect_eight(RTCScene scene, const int* valid, RTCRayHit8& ray_hits, bool run_alike) {
 #if OHB_EMBREE == 4
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
-  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  if (run_alike) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
   rtcIntersect8(valid, scene, &ray_hits, &arguments);
 #else
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  if (run_alike) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   rtcIntersect8(valid, scene, &context, &ray_hits);
 #endif
 }

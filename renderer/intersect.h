@@ -61,25 +61,6 @@ void set_lane(Rays8& rays, int i, const Ray& ray, float t_far) {
   rays.mask[i] = 0xffffffffu, rays.id[i] = 0, rays.flags[i] = 0;
 }
 
-/// Closest hits of up to eight rays that run alike; bit i of the result: whether ray i has one.
-inline uint32_t intersect_eight_rays(RTCScene bvh, const Ray* rays, int count, Hit* hits) {
-  alignas(32) int valid[8];
-  RTCRayHit8 r;
-  for (int i = 0; i < 8; ++i) {
-    valid[i] = i < count ? -1 : 0;
-    set_lane(r.ray, i, rays[i < count ? i : 0], std::numeric_limits<float>::infinity());
-    r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-  }
-  intersect_eight(bvh, valid, r);
-  uint32_t met = 0;
-  for (int i = 0; i < count; ++i) {
-    if (r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-    met |= 1u << i;
-    hits[i] = {r.hit.primID[i], r.hit.u[i], r.hit.v[i], r.ray.tfar[i]};
-  }
-  return met;
-}
-
 inline Vec2f uv_at(const Scene& scene, const Hit& hit) {
   const TriangleAttributes& a = scene.attributes[hit.triangle];
   return (1 - hit.u - hit.v) * a.uv[0] + hit.u * a.uv[1] + hit.v * a.uv[2];

@@ -66,12 +66,10 @@ MapPlace map_place(Vec3f direction) {
   return {{0.5f + turns_of(direction.z, direction.x), 2 * turns_of(sin_theta, direction.y)}, sin_theta};
 }
 
-EnvironmentValue EnvironmentLight::at(MapPlace place) const {
-  const Vec2f uv = place.uv;
+EnvironmentLight::Gather EnvironmentLight::gather(Vec2f uv) const {
   const float x = uv.x * static_cast<float>(width_px_) - 0.5f,
               y = uv.y * static_cast<float>(height_px_) - 0.5f;
   const float x0f = std::floor(x), y0f = std::floor(y);
-  const float fx = x - x0f, fy = y - y0f;
   const int x0 = wrapped(static_cast<int>(x0f), width_px_),
             x1 = wrapped(static_cast<int>(x0f) + 1, width_px_);
   int y0 = static_cast<int>(y0f), y1 = y0 + 1;
@@ -79,17 +77,31 @@ EnvironmentValue EnvironmentLight::at(MapPlace place) const {
     y0 = wrapped(y0, height_px_), y1 = wrapped(y1, height_px_);
   else
     y0 = std::max(y0, 0), y1 = std::min(y1, height_px_ - 1);
-  const Texel* row0 = &texels_[static_cast<size_t>(y0) * width_px_];
-  const Texel* row1 = &texels_[static_cast<size_t>(y1) * width_px_];
+  return {&texels_[static_cast<size_t>(y0) * width_px_],
+          &texels_[static_cast<size_t>(y1) * width_px_],
+          x0,
+          x1,
+          x - x0f,
+          y - y0f};
+}
+
+void EnvironmentLight::prefetch(MapPlace place) const {
+  const Gather g = gather(place.uv);
+  __builtin_prefetch(&g.row0[g.x0]);
+  __builtin_prefetch(&g.row1[g.x0]);
+}
+
+EnvironmentValue EnvironmentLight::at(MapPlace place) const {
+  const Gather g = gather(place.uv);
   EnvironmentValue value;
-  const auto gather = [&](const Texel& texel, float weight) {
+  const auto add = [&](const Texel& texel, float weight) {
     value.radiance += weight * texel.radiance;
     value.pdf += weight * texel.density;
   };
-  gather(row0[x0], (1 - fx) * (1 - fy));
-  gather(row0[x1], fx * (1 - fy));
-  gather(row1[x0], (1 - fx) * fy);
-  gather(row1[x1], fx * fy);
+  add(g.row0[g.x0], (1 - g.fx) * (1 - g.fy));
+  add(g.row0[g.x1], g.fx * (1 - g.fy));
+  add(g.row1[g.x0], (1 - g.fx) * g.fy);
+  add(g.row1[g.x1], g.fx * g.fy);
   value.pdf /= std::max(place.sin_theta, 1e-6f);
   return value;
 }

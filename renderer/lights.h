@@ -63,6 +63,8 @@ class EnvironmentLight {
   /// Radiance and pdf of a unit direction, world frame: one gather of four texels.
   EnvironmentValue at(Vec3f direction) const { return at(map_place(direction)); }
   EnvironmentValue at(MapPlace place) const;
+  /// Brings what `at` will read into the cache.
+  void prefetch(MapPlace place) const;
   LightSample sample(float u1, float u2) const;
   const std::string& name() const { return name_; }
 
@@ -71,6 +73,13 @@ class EnvironmentLight {
     Vec3f radiance;
     float density;  // of `sample` in solid angle, times the sine of the direction's polar angle
   };
+  /// The four texels around a place, and how far it is from the first along each axis.
+  struct Gather {
+    const Texel *row0, *row1;
+    int x0, x1;
+    float fx, fy;
+  };
+  Gather gather(Vec2f uv) const;
   std::string name_;
   int width_px_, height_px_;
   std::vector<Texel> texels_;

@@ -22,10 +22,31 @@ constexpr int kRoughReflections = 3, kNarrowReflections = 4, kWalkReflections = 
 constexpr int kWalks = 12;
 constexpr int kRouletteFromBounce = 2;  // Cycles: the continuation test starts at the third surface
 
+/// What a path carries from one surface to the next.
+struct PathState {
+  Ray ray;
+  PathSampler* sampler = nullptr;  // of the camera ray that it comes from
+  Vec3f throughput{1, 1, 1};
+  float bsdf_pdf = 0;
+  float lights_worth = 0;  // of the environments' directions against this one
+  int bounce = 0;
+  bool diffuse_ancestor = false;  // walks are made before the first diffuse bounce only
+};
+
+/// Where a ray of a wave went.
+struct Arrival {
+  bool is_hit;
+  Hit hit;
+  MapPlace place;  // in the environments, where there is no hit
+};
+
 /// What the paths of one tile share, and what they did.
 struct Tile {
   std::vector<LightPool> pools;       // one an environment
   std::vector<WaitingLight> waiting;  // of the pixel at work
+  std::vector<PathState> next;        // rays of the pixel at work that are to be traced
+  std::vector<PathState> wave;        // that are at their surfaces
+  std::vector<Arrival> arrivals;      // of `wave`
   RayCounts rays;
   uint64_t paths = 0;
   uint64_t nonfinite = 0;
@@ -175,25 +196,14 @@ void ask_shadows(const PathContext& c, Tile& tile, Vec3f* radiance) {
   tile.waiting.clear();
 }
 
-inline void add_environments(const PathContext& c, Vec3f direction, float bsdf_pdf, float worth,
-                             Vec3f throughput, Tile& tile, Vec3f* radiance) {
-  const MapPlace place = map_place(c.to_world(direction));
+inline void add_environments(const PathContext& c, const PathState& state, MapPlace place, Tile& tile,
+                             Vec3f* radiance) {
   for (size_t l = 0; l < c.lights.environments.size(); ++l) {
-    const EnvironmentLight& light = c.lights.environments[l];
-    const EnvironmentValue value = light.at(place);
-    add(throughput * value.radiance * power_heuristic(bsdf_pdf, worth * value.pdf), radiance[l], tile);
+    const EnvironmentValue value = c.lights.environments[l].at(place);
+    const float weight = power_heuristic(state.bsdf_pdf, state.lights_worth * value.pdf);
+    add(weight * value.radiance * state.throughput, radiance[l], tile);
   }
 }
-
-/// What a path carries from one surface to the next.
-struct PathState {
-  Ray ray;
-  Vec3f throughput{1, 1, 1};
-  float bsdf_pdf = 0;
-  float lights_worth = 0;  // of the environments' directions against this one
-  int bounce = 0;
-  bool diffuse_ancestor = false;  // walks are made before the first diffuse bounce only
-};
 
 /// The next segment of a path that reflects at `point`; false if it ends there.
 inline bool bounce_off(const PathContext& c, const SurfacePoint& point, const BsdfSample& next, float worth,
@@ -246,24 +256,18 @@ bool walk(const PathContext& c, const SurfacePoint& entry, const Bsdf& entry_bsd
   return bounce_off(c, point, bsdf.sample(0, u.x, u.y), split.worth, state);
 }
 
-/// Paths that left the first surface and still have a way to go.
-struct Branches {
-  PathState states[std::max({kRoughReflections, kNarrowReflections, kWalks + kWalkReflections})];
-  int count = 0;
-};
-
 /// What leaves the first surface: to the lights, by reflection, and by walks under it, with which reflections
 /// do not compete.
 template <bool kCutouts, class Bsdf>
 void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, uint32_t triangle,
-             bool walks_under, const PathState& state, Branches& branches, PathSampler& sampler, Tile& tile) {
+             bool walks_under, const PathState& state, Tile& tile) {
+  PathSampler& sampler = *state.sampler;
   const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
   Split split = Split::of_first(c.lights.environments.size(), bsdf.is_rough(), walks_under);
   if (ends_at(c, state, bsdf)) split = split.without_reflections();
   sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, tile);
-  const auto branch = [&](int n) -> PathState& {
-    PathState& one = branches.states[branches.count];
-    one = state;
+  const auto branch = [&](int n) {
+    PathState one = state;
     one.throughput *= 1 / static_cast<float>(n);
     return one;
   };
@@ -271,21 +275,23 @@ void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, 
     const Vec2f direction = lattice_point(u, k, split.reflections);
     const float lobe = (static_cast<float>(k) + across_and_lobe.y) / static_cast<float>(split.reflections);
     const BsdfSample next = bsdf.sample(lobe, direction.x, direction.y);
-    PathState& one = branch(split.reflections);
-    branches.count += !next.enters && bounce_off(c, point, next, split.worth, one);
+    PathState one = branch(split.reflections);
+    if (!next.enters && bounce_off(c, point, next, split.worth, one)) tile.next.push_back(one);
   }
   if (!walks_under) return;
   const WalkMedium medium(point.texel);
   const WalkNumbers numbers(sampler);
-  for (int k = 0; k < split.walks; ++k)
-    branches.count += walk<kCutouts>(c, point, bsdf, triangle, medium, numbers, k, split.walks,
-                                     sampler.random, tile, branch(split.walks));
+  for (int k = 0; k < split.walks; ++k) {
+    PathState one = branch(split.walks);
+    if (walk<kCutouts>(c, point, bsdf, triangle, medium, numbers, k, split.walks, sampler.random, tile, one))
+      tile.next.push_back(one);
+  }
 }
 
-/// One surface: false if the path ends there, but for `branches`.
+/// One surface: what goes on from there comes into tile.next.
 template <bool kCutouts, class Bsdf>
-bool scatter(const PathContext& c, const Hit& hit, PathState& state, Branches& branches, PathSampler& sampler,
-             Tile& tile) {
+void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile) {
+  PathSampler& sampler = *state.sampler;
   const Vec3f wo = -state.ray.direction;
   const SurfacePoint point = surface_at(c.scene, hit, wo);
   const bool is_first = state.bounce == 0;
@@ -294,94 +300,27 @@ bool scatter(const PathContext& c, const Hit& hit, PathState& state, Branches& b
     under = state.diffuse_ancestor ? UnderSurface::kDiffuse : UnderSurface::kWalk;
   const bool walks_under = under == UnderSurface::kWalk;
   const Bsdf bsdf = bsdf_at<Bsdf>(point, wo, is_first, under);
-  if (bsdf.is_black()) return false;
+  if (bsdf.is_black()) return;
   if (is_first) {
-    fan_out<kCutouts>(c, point, bsdf, hit.triangle, walks_under, state, branches, sampler, tile);
-    return false;
+    fan_out<kCutouts>(c, point, bsdf, hit.triangle, walks_under, state, tile);
+    return;
   }
   const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
   const bool ends = ends_at(c, state, bsdf);
   const Split split = ends ? Split().without_reflections() : Split();
   sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, tile);
-  if (ends && !walks_under) return false;
+  if (ends && !walks_under) return;
   const BsdfSample next = bsdf.sample(across_and_lobe.y, u.x, u.y);
+  bool goes_on;
   if (next.enters) {
     // The walk's medium has the colour: the lobe's weight is only its share.
     state.throughput *= 1 / next.pdf;
-    return walk<kCutouts>(c, point, bsdf, hit.triangle, WalkMedium(point.texel), WalkNumbers(sampler), 0, 1,
-                          sampler.random, tile, state);
+    goes_on = walk<kCutouts>(c, point, bsdf, hit.triangle, WalkMedium(point.texel), WalkNumbers(sampler), 0,
+                             1, sampler.random, tile, state);
+  } else {
+    goes_on = !ends && bounce_off(c, point, next, split.worth, state);
   }
-  return !ends && bounce_off(c, point, next, split.worth, state);
+  if (goes_on) tile.next.push_back(state);
 }
-
-/// To the next surface and on from it: false if the path ends.
-template <bool kCutouts, class Bsdf>
-bool advance(const PathContext& c, PathState& state, Branches& branches, PathSampler& sampler, Tile& tile,
-             Vec3f* radiance) {
-  Hit hit;
-  if (!intersect<kCutouts>(c.scene, state.ray, sampler.random, tile.rays, hit)) {
-    add_environments(c, state.ray.direction, state.bsdf_pdf, state.lights_worth, state.throughput, tile,
-                     radiance);
-    return false;
-  }
-  if (state.bounce > c.max_bounces) return false;
-  if (state.bounce >= kRouletteFromBounce) {
-    const float survive = std::fmin(1.0f, std::sqrt(max_component(state.throughput)));
-    if (!(sampler.random.next() < survive)) return false;
-    state.throughput *= 1 / survive;
-  }
-  return scatter<kCutouts, Bsdf>(c, hit, state, branches, sampler, tile);
-}
-
-/// Camera rays of one pixel and what they meet.
-struct CameraRays {
-  static constexpr int kMost = 8;
-  Ray rays[kMost];
-  Hit hits[kMost];
-  bool is_hit[kMost];
-  std::vector<PathSampler> samplers;  // one a ray
-
-  /// Without cut-outs all at once, and what shading will ask for first comes into the cache meanwhile.
-  template <bool kCutouts>
-  void intersect_all(const Scene& scene, RayCounts& counts) {
-    const int count = static_cast<int>(samplers.size());
-    if (kCutouts || count < 2) {
-      for (int i = 0; i < count; ++i)
-        is_hit[i] =
-            intersect<kCutouts>(scene, rays[i], samplers[static_cast<size_t>(i)].random, counts, hits[i]);
-      return;
-    }
-    counts.closest_hit += static_cast<uint64_t>(count);
-    for (int i = 0; i < count; ++i)
-      record_ray(counts, rays[i], 0, std::numeric_limits<float>::infinity(), false, false);
-    const uint32_t met = scene.opaque ? intersect_eight_rays(scene.opaque, rays, count, hits) : 0;
-    for (int i = 0; i < count; ++i) {
-      is_hit[i] = met >> i & 1;
-      if (is_hit[i]) prefetch_surface(scene, hits[i]);
-    }
-    for (int i = 0; i < count; ++i)
-      if (is_hit[i]) prefetch_texels(scene, hits[i]);
-  }
-};
-
-/// A path from what a camera ray met, added to `radiance`, one a light; its shadow rays wait in `tile`.
-template <bool kCutouts, class Bsdf>
-void trace_path(const PathContext& c, const Ray& camera_ray, const Hit& hit, PathSampler& sampler, Tile& tile,
-                Vec3f* radiance) {
-  PathState state;
-  Branches branches;
-  state.ray = camera_ray;
-  bool goes_on = scatter<kCutouts, Bsdf>(c, hit, state, branches, sampler, tile);
-  while (goes_on || branches.count > 0) {
-    if (!goes_on) state = branches.states[--branches.count];
-    goes_on = advance<kCutouts, Bsdf>(c, state, branches, sampler, tile, radiance);
-  }
-}
-
-// Compiled apart, in path_tracer_v2.cpp: in one unit the compiler inlines less of each model.
-extern template void trace_path<false, PrincipledV2>(const PathContext&, const Ray&, const Hit&, PathSampler&,
-                                                     Tile&, Vec3f*);
-extern template void trace_path<true, PrincipledV2>(const PathContext&, const Ray&, const Hit&, PathSampler&,
-                                                    Tile&, Vec3f*);
 
 }  // namespace ohb

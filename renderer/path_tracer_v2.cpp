@@ -1,10 +1,8 @@
-#include "renderer/path_tracer.h"
+#include "renderer/waves.h"
 
 namespace ohb {
 
-template void trace_path<false, PrincipledV2>(const PathContext&, const Ray&, const Hit&, PathSampler&, Tile&,
-                                              Vec3f*);
-template void trace_path<true, PrincipledV2>(const PathContext&, const Ray&, const Hit&, PathSampler&, Tile&,
-                                             Vec3f*);
+template void trace_paths<false, PrincipledV2>(const PathContext&, Tile&, Vec3f*);
+template void trace_paths<true, PrincipledV2>(const PathContext&, Tile&, Vec3f*);
 
 }  // namespace ohb

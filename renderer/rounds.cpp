@@ -10,12 +10,14 @@
 
 #include "renderer/footprint.h"
 #include "renderer/parallel.h"
+#include "renderer/waves.h"
 
 namespace ohb {
 namespace {
 
 constexpr int kTile_px = 16;
-constexpr float kWorkOfPath = 2;  // in rays with what is shaded at their ends
+constexpr size_t kPathsAtOnce = 32;  // of a pixel
+constexpr float kWorkOfPath = 2;     // in rays with what is shaded at their ends
 constexpr uint64_t kPilotSeeds = 0x70696c6f74ull, kPoolSeeds = 0x706f6f6cull;
 
 /// Consecutive samples that share a pool of light candidates: 1, 1, 2, 4, ... 64, 64, ... of them, whatever
@@ -58,7 +60,8 @@ Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& 
     for (int y = px.y0; y < px.y1; ++y)
       for (int x = px.x0; x < px.x1; ++x, i += lights) act(x, y, &sums[i]);
   };
-  CameraRays camera;
+  std::vector<PathSampler> samplers;
+  samplers.reserve(kPathsAtOnce);
   uint32_t next = ~0u, end = 0;
   each_pixel([&](int x, int y, Vec3f*) {
     const auto [first, last] = range_of(x, y);
@@ -77,21 +80,16 @@ Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& 
       const uint64_t rays_before = tile.rays.total();
       const uint32_t stop = std::min(last, block.end);
       for (uint32_t s = std::max(first, block.first); s < stop;) {
-        camera.samplers.clear();
-        for (int i = 0; i < CameraRays::kMost && s < stop; ++i, ++s) {
-          PathSampler& sampler = camera.samplers.emplace_back(paths.seed, pixel, s);
-          const Vec2f jitter = sampler.next_pair();
+        samplers.clear();
+        for (size_t i = 0; i < kPathsAtOnce && s < stop; ++i, ++s) {
+          PathState& path = tile.next.emplace_back();
+          path.sampler = &samplers.emplace_back(paths.seed, pixel, s);
+          const Vec2f jitter = path.sampler->next_pair();
           const bool centre = s == 0 && picture.settings.first_sample_at_centre;
-          camera.rays[i] = picture.view.ray(static_cast<float>(x) + (centre ? 0.5f : jitter.x),
-                                            static_cast<float>(y) + (centre ? 0.5f : jitter.y));
+          path.ray = picture.view.ray(static_cast<float>(x) + (centre ? 0.5f : jitter.x),
+                                      static_cast<float>(y) + (centre ? 0.5f : jitter.y));
         }
-        camera.intersect_all<kCutouts>(picture.context.scene, tile.rays);
-        for (size_t i = 0; i < camera.samplers.size(); ++i) {
-          if (!camera.is_hit[i]) continue;  // the camera sees no background: it is transparent
-          trace_path<kCutouts, Bsdf>(picture.context, camera.rays[i], camera.hits[i], camera.samplers[i],
-                                     tile, sum);
-        }
-        ask_shadows<kCutouts>(picture.context, tile, sum);
+        trace_paths<kCutouts, Bsdf>(picture.context, tile, sum);
       }
       if (work) (*work)[pixel] += static_cast<float>(tile.rays.total() - rays_before);
     });

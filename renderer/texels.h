@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 
 #ifdef __F16C__
@@ -22,6 +23,10 @@ struct SurfaceTexel {
   float roughness = 0;
   float specular = 0;  // S, encoded
   float sss = 0;
+};
+
+struct FreeArray {
+  void operator()(void* memory) const { std::free(memory); }
 };
 
 /// Bilinear, REPEAT, texel centres at (i + 1/2) / n, no mip-maps: as Cycles filters float images.
@@ -103,8 +108,8 @@ class Texels {
 
   int width_px_, height_px_;
   bool has_alpha_;
-  std::unique_ptr<HalfRecord[]> surface_;
-  std::unique_ptr<HalfNormal[]> normals_;  // null: no normal map
+  std::unique_ptr<HalfRecord[], FreeArray> surface_;
+  std::unique_ptr<HalfNormal[], FreeArray> normals_;  // null: no normal map
 };
 
 }  // namespace ohb

@@ -92,7 +92,7 @@ void bare_embree(benchmark::State& state) {
           r.ray.mask[i] = 0xffffffffu, r.ray.id[i] = 0, r.ray.flags[i] = 0;
           r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
-        intersect_eight(g_workload.surface->bvh(), valid, r);
+        intersect_eight(g_workload.surface->bvh(), valid, r, true);
         sum += r.ray.tfar[0];
       }
     benchmark::DoNotOptimize(sum);

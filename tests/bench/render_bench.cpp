@@ -1,7 +1,7 @@
 // Rays per second of the renderer beside bare Embree's on the very same rays, one thread each.
 // usage: render_bench [MODEL E.exr] [Google Benchmark's options]; without a model: a lumpy ball of 100,000
 // triangles under a constant environment. The ratio of `rays` is the share of Embree's rate that remains; the
-// fair one is that to packets, since the renderer traces shadow rays eight at once.
+// fair one is that to packets, since the renderer traces rays eight at once where nothing is cut out.
 #include <benchmark/benchmark.h>
 #include <pmmintrin.h>
 #include <tbb/global_control.h>
@@ -62,29 +62,37 @@ void trace_one(const RecordedRay& ray) {
   benchmark::DoNotOptimize(r.ray.tfar);
 }
 
-void trace_shadows(const RecordedRay* rays, int count) {
+/// Rays of one kind.
+void trace_packet(const RecordedRay* rays, int count) {
   alignas(32) int valid[8];
-  RTCRay8 r;
+  RTCRayHit8 r;
   for (int i = 0; i < 8; ++i) {
     const RecordedRay& ray = rays[i < count ? i : 0];
     valid[i] = i < count ? -1 : 0;
-    set_lane(r, i, {ray.origin, ray.direction}, ray.t_far);
+    set_lane(r.ray, i, {ray.origin, ray.direction}, ray.t_far);
+    r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  occluded_eight(g_workload.scene->opaque, valid, r);
-  benchmark::DoNotOptimize(r.tfar[0]);
+  if (rays->is_shadow)
+    occluded_eight(g_workload.scene->opaque, valid, r.ray);
+  else
+    intersect_eight(g_workload.scene->opaque, valid, r, false);
+  benchmark::DoNotOptimize(r.ray.tfar[0]);
 }
 
-/// `shadows_at_once`: of shadow rays that follow each other, as the renderer traces them.
-void bare_embree(benchmark::State& state, size_t shadows_at_once) {
+/// `at_once`: of rays against opaque triangles that follow each other and are of one kind, as the renderer
+/// traces them where nothing is cut out.
+void bare_embree(benchmark::State& state, size_t at_once) {
   _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
   _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
   const std::vector<RecordedRay>& rays = g_workload.rays;
   for (auto _ : state)
     for (size_t i = 0; i < rays.size();) {
       size_t end = i;
-      while (end < rays.size() && end < i + shadows_at_once && rays[end].is_shadow) ++end;
+      while (end < rays.size() && end < i + at_once && rays[end].is_shadow == rays[i].is_shadow &&
+             !rays[end].is_cutout)
+        ++end;
       if (end > i + 1)
-        trace_shadows(&rays[i], static_cast<int>(end - i));
+        trace_packet(&rays[i], static_cast<int>(end - i));
       else
         trace_one(rays[i]), end = i + 1;
       i = end;

@@ -1,0 +1,93 @@
+// Rays of many paths of a pixel, traced and then shaded together, surface by surface: Embree takes eight at
+// once, and what shading reads is on its way to the cache before it is asked for.
+#pragma once
+
+#include "renderer/path_tracer.h"
+
+namespace ohb {
+
+/// Closest hits of up to eight paths' rays.
+inline void intersect_eight_paths(const Scene& scene, const PathState* paths, int count, RayCounts& counts,
+                                  Arrival* arrivals) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  alignas(32) int valid[8];
+  RTCRayHit8 r;
+  counts.closest_hit += static_cast<uint64_t>(count);
+  for (int i = 0; i < 8; ++i) {
+    const Ray& ray = paths[i < count ? i : 0].ray;
+    valid[i] = i < count ? -1 : 0;
+    set_lane(r.ray, i, ray, kInfinity);
+    r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+    if (i < count) record_ray(counts, ray, 0, kInfinity, false, false);
+  }
+  if (scene.opaque) intersect_eight(scene.opaque, valid, r, paths->bounce == 0);
+  for (int i = 0; i < count; ++i) {
+    arrivals[i].is_hit = r.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
+    arrivals[i].hit = {r.hit.primID[i], r.hit.u[i], r.hit.v[i], r.ray.tfar[i]};
+  }
+}
+
+/// Where the rays of tile.wave go, without cut-outs eight at once. What is asked for there comes into the
+/// cache meanwhile: texels of large maps come from far.
+template <bool kCutouts>
+void trace_wave(const PathContext& c, Tile& tile) {
+  const size_t count = tile.wave.size();
+  tile.arrivals.resize(count);
+  if constexpr (kCutouts) {
+    for (size_t i = 0; i < count; ++i)
+      tile.arrivals[i].is_hit = intersect<true>(c.scene, tile.wave[i].ray, tile.wave[i].sampler->random,
+                                                tile.rays, tile.arrivals[i].hit);
+  } else {
+    for (size_t i = 0; i < count; i += 8)
+      intersect_eight_paths(c.scene, &tile.wave[i], static_cast<int>(std::min<size_t>(8, count - i)),
+                            tile.rays, &tile.arrivals[i]);
+  }
+  for (size_t i = 0; i < count; ++i) {
+    Arrival& arrival = tile.arrivals[i];
+    if (arrival.is_hit) {
+      prefetch_surface(c.scene, arrival.hit);
+    } else if (tile.wave[i].bounce > 0) {
+      arrival.place = map_place(c.to_world(tile.wave[i].ray.direction));
+      for (const EnvironmentLight& light : c.lights.environments) light.prefetch(arrival.place);
+    }
+  }
+  for (const Arrival& arrival : tile.arrivals)
+    if (arrival.is_hit) prefetch_texels(c.scene, arrival.hit);
+}
+
+/// A path at the end of its ray.
+template <bool kCutouts, class Bsdf>
+void arrive(const PathContext& c, const Arrival& arrival, PathState& state, Tile& tile, Vec3f* radiance) {
+  if (!arrival.is_hit) {
+    // The camera sees no background: it is transparent.
+    if (state.bounce > 0) add_environments(c, state, arrival.place, tile, radiance);
+    return;
+  }
+  if (state.bounce > c.max_bounces) return;
+  if (state.bounce >= kRouletteFromBounce) {
+    const float survive = std::fmin(1.0f, std::sqrt(max_component(state.throughput)));
+    if (!(state.sampler->random.next() < survive)) return;
+    state.throughput *= 1 / survive;
+  }
+  scatter<kCutouts, Bsdf>(c, arrival.hit, state, tile);
+}
+
+/// The paths of one pixel's camera rays in tile.next to their ends, surface by surface all together, added to
+/// `radiance`, one a light.
+template <bool kCutouts, class Bsdf>
+void trace_paths(const PathContext& c, Tile& tile, Vec3f* radiance) {
+  while (!tile.next.empty()) {
+    tile.wave.swap(tile.next);
+    tile.next.clear();
+    trace_wave<kCutouts>(c, tile);
+    for (size_t i = 0; i < tile.wave.size(); ++i)
+      arrive<kCutouts, Bsdf>(c, tile.arrivals[i], tile.wave[i], tile, radiance);
+  }
+  ask_shadows<kCutouts>(c, tile, radiance);
+}
+
+// Compiled apart, in path_tracer_v2.cpp: in one unit the compiler inlines less of each model.
+extern template void trace_paths<false, PrincipledV2>(const PathContext&, Tile&, Vec3f*);
+extern template void trace_paths<true, PrincipledV2>(const PathContext&, Tile&, Vec3f*);
+
+}  // namespace ohb
