@@ -6,6 +6,8 @@
 // with w the power heuristic between that light's own density and the BSDF's: unbiased for each light alone.
 #pragma once
 
+#include <deque>
+
 #include "renderer/lights.h"
 #include "renderer/random_walk.h"
 #include "renderer/surface.h"
@@ -22,10 +24,44 @@ constexpr int kRoughReflections = 3, kNarrowReflections = 4, kWalkReflections = 
 constexpr int kWalks = 12;
 constexpr int kRouletteFromBounce = 2;  // Cycles: the continuation test starts at the third surface
 
+/// Point k of a lattice of n that is shifted by u.
+inline Vec2f lattice_point(Vec2f u, int k, int n) {
+  const float kf = static_cast<float>(k);
+  return {fraction_of(u.x + kf / static_cast<float>(n)), fraction_of(u.y + kf * kLatticeStep)};
+}
+
+/// Numbers for one question to the lights. The candidates lie in order along the first coordinate of the
+/// lights' own numbers: choosing one and shifting them all in that coordinate place the shadow ray together,
+/// so these two are stratified as a pair.
+struct LightNumbers {
+  Vec2f along;   // choice, shift
+  float across;  // shift in the other coordinate
+
+  /// Number k of n that spread.
+  LightNumbers of(int k, int n) const {
+    constexpr float kThirdStep = 0.7548777f;  // of the plastic number: unlike kLatticeStep
+    return {lattice_point(along, k, n), fraction_of(across + static_cast<float>(k) * kThirdStep)};
+  }
+};
+
+/// Where a walk goes under the surface, and where it goes on from its exit.
+struct WalkNumbers {
+  Vec2f entry, direction;
+  LightNumbers light;
+  template <class Numbers>
+  explicit WalkNumbers(Numbers& numbers)
+      : entry(numbers.next_pair()),
+        direction(numbers.next_pair()),
+        light{numbers.next_pair(), numbers.next_pair().x} {}
+};
+
 /// What a path carries from one surface to the next.
 struct PathState {
+  explicit PathState(PathSampler& camera_sampler) : sampler(&camera_sampler), random(camera_sampler.random) {}
+
   Ray ray;
-  PathSampler* sampler = nullptr;  // of the camera ray that it comes from
+  PathSampler* sampler;  // up to the first surface
+  Random random;         // from there on its own: what one ray draws does not change what its neighbours do
   Vec3f throughput{1, 1, 1};
   float bsdf_pdf = 0;
   float lights_worth = 0;  // of the environments' directions against this one
@@ -40,6 +76,13 @@ struct Arrival {
   MapPlace place;  // in the environments, where there is no hit
 };
 
+/// A path under the surface. Walk k of n shares its numbers with the others: a lattice, so that they spread.
+struct WalkingPath {
+  PathState state;
+  WalkNumbers numbers;
+  int k, n;
+};
+
 /// What the paths of one tile share, and what they did.
 struct Tile {
   std::vector<LightPool> pools;       // one an environment
@@ -47,6 +90,9 @@ struct Tile {
   std::vector<PathState> next;        // rays of the pixel at work that are to be traced
   std::vector<PathState> wave;        // that are at their surfaces
   std::vector<Arrival> arrivals;      // of `wave`
+  std::vector<Walk> walks;            // that `wave` began
+  std::vector<WalkingPath> walking;   // who makes them
+  std::deque<WalkMedium> media;       // that they go through
   RayCounts rays;
   uint64_t paths = 0;
   uint64_t nonfinite = 0;
@@ -71,26 +117,6 @@ inline void add(Vec3f contribution, Vec3f& sum, Tile& tile) {
   else
     ++tile.nonfinite;
 }
-
-/// Point k of a lattice of n that is shifted by u.
-inline Vec2f lattice_point(Vec2f u, int k, int n) {
-  const float kf = static_cast<float>(k);
-  return {fraction_of(u.x + kf / static_cast<float>(n)), fraction_of(u.y + kf * kLatticeStep)};
-}
-
-/// Numbers for one question to the lights. The candidates lie in order along the first coordinate of the
-/// lights' own numbers: choosing one and shifting them all in that coordinate place the shadow ray together,
-/// so these two are stratified as a pair.
-struct LightNumbers {
-  Vec2f along;   // choice, shift
-  float across;  // shift in the other coordinate
-
-  /// Number k of n that spread.
-  LightNumbers of(int k, int n) const {
-    constexpr float kThirdStep = 0.7548777f;  // of the plastic number: unlike kLatticeStep
-    return {lattice_point(along, k, n), fraction_of(across + static_cast<float>(k) * kThirdStep)};
-  }
-};
 
 /// How many rays leave a surface, and how they count.
 struct Split {
@@ -224,41 +250,20 @@ bool ends_at(const PathContext& c, const PathState& state, const Bsdf& bsdf) {
   return c.ends_at_rough_surfaces && state.bounce == c.max_bounces && bsdf.is_rough();
 }
 
-/// Where a walk goes under the surface, and where it goes on from its exit.
-struct WalkNumbers {
-  Vec2f entry, direction;
-  LightNumbers light;
-  explicit WalkNumbers(PathSampler& sampler)
-      : entry(sampler.next_pair()),
-        direction(sampler.next_pair()),
-        light{sampler.next_pair(), sampler.next_pair().x} {}
-};
-
-/// Under the surface and out again, where the lights are asked; false if the path ends in between. Walk k of
-/// n shares its numbers with the others: a lattice, so that they spread.
-template <bool kCutouts, class Bsdf>
-bool walk(const PathContext& c, const SurfacePoint& entry, const Bsdf& entry_bsdf, uint32_t triangle,
-          const WalkMedium& medium, const WalkNumbers& numbers, int k, int n, Random& random, Tile& tile,
-          PathState& state) {
-  const Vec3f inwards = entry_bsdf.entry_direction(lattice_point(numbers.entry, k, n));
-  WalkExit exit;
-  if (!walk_under_surface<kCutouts>(c.scene, entry, triangle, medium, entry_bsdf.entry_axis(), inwards,
-                                    random, tile.rays, exit))
-    return false;
-  state.throughput *= entry_bsdf.entry_weight() * exit.weight;
-  const SurfacePoint point = surface_at(c.scene, exit.hit, exit.direction);
-  const Bsdf bsdf = exit_bsdf_at<Bsdf>(point, exit.direction);
-  const bool ends = ends_at(c, state, bsdf);
-  const Split split = ends ? Split().without_reflections() : Split();
-  sample_lights(c, point, bsdf, state.throughput, numbers.light.of(k, n), split, tile);
-  if (ends) return false;
-  const Vec2f u = lattice_point(numbers.direction, k, n);
-  return bounce_off(c, point, bsdf.sample(0, u.x, u.y), split.worth, state);
+/// Walk k of n goes under the surface; where it comes out again is up to leave_walks().
+template <class Bsdf>
+void begin_walk(const SurfacePoint& entry, const Bsdf& bsdf, uint32_t triangle, const WalkMedium& medium,
+                const WalkNumbers& numbers, int k, int n, const PathState& state, Tile& tile) {
+  const Vec3f inwards = bsdf.entry_direction(lattice_point(numbers.entry, k, n));
+  tile.walks.push_back({entry.position, entry.ng, bsdf.entry_axis(), inwards, triangle, &medium,
+                        state.random.branch(static_cast<uint64_t>(k))});
+  tile.walking.push_back({state, numbers, k, n});
+  tile.walking.back().state.throughput *= bsdf.entry_weight();
 }
 
 /// What leaves the first surface: to the lights, by reflection, and by walks under it, with which reflections
 /// do not compete.
-template <bool kCutouts, class Bsdf>
+template <class Bsdf>
 void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, uint32_t triangle,
              bool walks_under, const PathState& state, Tile& tile) {
   PathSampler& sampler = *state.sampler;
@@ -266,32 +271,30 @@ void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, 
   Split split = Split::of_first(c.lights.environments.size(), bsdf.is_rough(), walks_under);
   if (ends_at(c, state, bsdf)) split = split.without_reflections();
   sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, tile);
-  const auto branch = [&](int n) {
+  const auto branch = [&](int k, int n) {
     PathState one = state;
     one.throughput *= 1 / static_cast<float>(n);
+    one.random = sampler.random.branch(static_cast<uint64_t>(k));
     return one;
   };
   for (int k = 0; k < split.reflections; ++k) {
     const Vec2f direction = lattice_point(u, k, split.reflections);
     const float lobe = (static_cast<float>(k) + across_and_lobe.y) / static_cast<float>(split.reflections);
     const BsdfSample next = bsdf.sample(lobe, direction.x, direction.y);
-    PathState one = branch(split.reflections);
+    PathState one = branch(k, split.reflections);
     if (!next.enters && bounce_off(c, point, next, split.worth, one)) tile.next.push_back(one);
   }
   if (!walks_under) return;
-  const WalkMedium medium(point.texel);
+  const WalkMedium& medium = tile.media.emplace_back(point.texel);
   const WalkNumbers numbers(sampler);
-  for (int k = 0; k < split.walks; ++k) {
-    PathState one = branch(split.walks);
-    if (walk<kCutouts>(c, point, bsdf, triangle, medium, numbers, k, split.walks, sampler.random, tile, one))
-      tile.next.push_back(one);
-  }
+  for (int k = 0; k < split.walks; ++k)
+    begin_walk(point, bsdf, triangle, medium, numbers, k, split.walks,
+               branch(split.reflections + k, split.walks), tile);
 }
 
-/// One surface: what goes on from there comes into tile.next.
-template <bool kCutouts, class Bsdf>
+/// One surface: what goes on from there comes into tile.next and tile.walks.
+template <class Bsdf>
 void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile) {
-  PathSampler& sampler = *state.sampler;
   const Vec3f wo = -state.ray.direction;
   const SurfacePoint point = surface_at(c.scene, hit, wo);
   const bool is_first = state.bounce == 0;
@@ -302,25 +305,24 @@ void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile)
   const Bsdf bsdf = bsdf_at<Bsdf>(point, wo, is_first, under);
   if (bsdf.is_black()) return;
   if (is_first) {
-    fan_out<kCutouts>(c, point, bsdf, hit.triangle, walks_under, state, tile);
+    fan_out(c, point, bsdf, hit.triangle, walks_under, state, tile);
     return;
   }
-  const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
+  Random& random = state.random;
+  const Vec2f along = random.next_pair(), across_and_lobe = random.next_pair(), u = random.next_pair();
   const bool ends = ends_at(c, state, bsdf);
   const Split split = ends ? Split().without_reflections() : Split();
   sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, tile);
   if (ends && !walks_under) return;
   const BsdfSample next = bsdf.sample(across_and_lobe.y, u.x, u.y);
-  bool goes_on;
   if (next.enters) {
     // The walk's medium has the colour: the lobe's weight is only its share.
     state.throughput *= 1 / next.pdf;
-    goes_on = walk<kCutouts>(c, point, bsdf, hit.triangle, WalkMedium(point.texel), WalkNumbers(sampler), 0,
-                             1, sampler.random, tile, state);
-  } else {
-    goes_on = !ends && bounce_off(c, point, next, split.worth, state);
+    begin_walk(point, bsdf, hit.triangle, tile.media.emplace_back(point.texel), WalkNumbers(random), 0, 1,
+               state, tile);
+  } else if (!ends && bounce_off(c, point, next, split.worth, state)) {
+    tile.next.push_back(state);
   }
-  if (goes_on) tile.next.push_back(state);
 }
 
 }  // namespace ohb

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "renderer/eight.h"
 #include "renderer/intersect.h"
 #include "renderer/subsurface.h"
 #include "renderer/surface.h"
@@ -22,9 +23,6 @@ struct DwivediLobe {
   float nu, log_ratio;
   explicit DwivediLobe(float relaxation_mfp)
       : nu(relaxation_mfp), log_ratio(std::log((relaxation_mfp + 1) / (relaxation_mfp - 1))) {}
-  float sample(float u) const { return nu - (nu + 1) * std::exp(-u * log_ratio); }
-  /// In solid angle.
-  float pdf(float mu) const { return 1 / (2 * kPi * log_ratio * (nu - mu)); }
 };
 
 /// What all walks from one entry share.
@@ -37,162 +35,269 @@ struct WalkMedium {
               DwivediLobe(medium.relaxation_mfp.z)} {}
 };
 
-/// One walk's state and choices. Each segment is drawn by one of three strategies (isotropic; towards the
-/// entry; towards the far side of a sheet) with the mean free path of one of three channels; the weight is
-/// the balance heuristic over all nine, in direction and distance together.
-class RandomWalk {
- public:
-  RandomWalk(const WalkMedium& under, Vec3f entry, Vec3f n)
-      : medium_(under.medium), lobes_(under.lobes), entry_(entry), n_(n), weight_(medium_.entry_weight) {}
+/// A ray that asks for the closest surface within t_far, and what it found. Cut-outs count as solid (Cycles'
+/// walks do not ask for their alpha). `skip` is a triangle that is not seen: the one that a walk enters by.
+struct SolidRay {
+  Ray ray;
+  float t_far;
+  uint32_t skip;
+  bool is_hit;
+  Hit hit;
+};
 
-  const Vec3f& weight() const { return weight_; }
-  bool is_over() const { return !(max_component(weight_) > kLeastWeight); }
-
-  /// How far the first segment looks for the other side of a sheet: farther than it matters.
-  float search_cm() const { return 10 / min_component(medium_.sigma_t_per_cm); }
-  void set_sheet(float thickness_cm) { thickness_cm_ = thickness_cm; }
-
-  /// Draws the first segment's length; its direction is given.
-  float first_length(Random& random) {
-    choose_channel(random);
-    return length(random, 0);
-  }
-  void weigh_first(float t_cm, bool is_hit) { weigh(t_cm, is_hit, 0, false); }
-
-  /// Draws direction and length of a later segment that starts at `position`.
-  float next(Vec3f position, Random& random, Vec3f& direction) {
-    choose_channel(random);
-    backward_ = 0;
-    if (thickness_cm_ < std::numeric_limits<float>::infinity()) {
-      // The diffuse modes of both faces, at this depth of the sheet.
-      const float depth_cm = std::clamp(dot(entry_ - position, n_), 0.0f, thickness_cm_);
-      const float decay_cm = lobes_[channel_].nu / medium_.sigma_t_per_cm[channel_];
-      backward_ = 1 / (1 + std::exp(std::min(80.0f, (thickness_cm_ - 2 * depth_cm) / decay_cm)));
+/// Those of eight whose `lanes` are -1, not 0, in one bounding volume hierarchy, each as far as what it has
+/// found before.
+inline void intersect_solids_of(RTCScene bvh, uint32_t first_triangle, bool is_cutout, const int* lanes,
+                                SolidRay* rays, RayCounts& counts) {
+  alignas(32) int valid[8];
+  std::copy(lanes, lanes + 8, valid);
+  float t_near[8] = {};
+  for (bool any = true; any;) {
+    RTCRayHit8 r;
+    for (int i = 0; i < 8; ++i) {
+      if (!valid[i]) continue;
+      const SolidRay& asked = rays[i];
+      const float t_far = asked.is_hit ? asked.hit.t : asked.t_far;
+      set_lane(r.ray, i, asked.ray, t_far);
+      r.ray.tnear[i] = t_near[i];
+      r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+      ++counts.walk_segments;
+      record_ray(counts, asked.ray, t_near[i], t_far, false, is_cutout);
     }
-    const float u_strategy = random.next(), u = random.next(), u_phi = random.next();
-    float side = 0;
-    if (u_strategy < kGuidedShare) side = u_strategy < kGuidedShare * backward_ ? -1.0f : 1.0f;
-    const float mu = side == 0 ? 1 - 2 * u : side * std::clamp(lobes_[channel_].sample(u), -1.0f, 1.0f);
-    const float sine = std::sqrt(std::max(0.0f, 1 - mu * mu));
-    const SineCosine phi = sine_cosine_of_turns(u_phi);
-    direction = Frame(n_).to_world({sine * phi.cosine, sine * phi.sine, mu});
-    mu_ = mu;
-    return length(random, side * mu);
+    intersect_eight(bvh, valid, r, false);
+    any = false;
+    for (int i = 0; i < 8; ++i) {
+      if (!valid[i]) continue;
+      valid[i] = 0;
+      if (r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
+      const Hit found{first_triangle + r.hit.primID[i], r.hit.u[i], r.hit.v[i], r.ray.tfar[i]};
+      if (found.triangle == rays[i].skip) {
+        t_near[i] = beyond(found.t, t_near[i]);
+        valid[i] = -1, any = true;
+      } else {
+        rays[i].is_hit = true;
+        rays[i].hit = found;
+      }
+    }
   }
-  void weigh_next(float t_cm, bool is_hit) { weigh(t_cm, is_hit, mu_, true); }
+}
+
+template <bool kCutouts>
+void intersect_solids(const Scene& scene, const int* lanes, SolidRay* rays, RayCounts& counts) {
+  if (scene.opaque) intersect_solids_of(scene.opaque, 0, false, lanes, rays, counts);
+  if constexpr (kCutouts) intersect_solids_of(scene.cutout, scene.opaque_count, true, lanes, rays, counts);
+}
+
+/// A walk from where a path enters, seen from outside, until it meets the surface again.
+struct Walk {
+  Vec3f position, ng;  // of the entry
+  Vec3f n;             // the axis that the walk is guided along
+  Vec3f direction;     // of the first segment
+  uint32_t triangle;   // of the entry
+  const WalkMedium* medium;
+  Random random;  // its own: what one walk draws does not change the next
+  /// False if it never comes out: killed at the entry, absorbed, or not out after cycles::kMaxWalkSegments,
+  /// which loses energy that Cycles loses too.
+  bool is_out = false;
+  WalkExit exit{};
+};
+
+/// Eight walks side by side, their states and choices. Each segment is drawn by one of three strategies
+/// (isotropic; towards the entry; towards the far side of a sheet) with the mean free path of one of three
+/// channels; the weight is the balance heuristic over all nine, in direction and distance together.
+class WalkLanes {
+ public:
+  WalkLanes() {
+    // Of lanes that never hold a walk: anything finite.
+    for (Value* value : {&t_, &mu_, &backward_, &depth_}) value->set(Float8(0));
+    for (int c = 0; c < 3; ++c) {
+      for (Value* value : {&position_[c], &direction_[c], &s_[c], &b_[c], &n_[c]}) value->set(Float8(0));
+      for (Value* value : {&weight_[c], &sigma_[c], &albedo_[c], &log_ratio_[c]}) value->set(Float8(1));
+      nu_[c].set(Float8(2));
+    }
+    thickness_.set(Float8(std::numeric_limits<float>::infinity()));
+  }
+
+  bool is_free(int lane) const { return !walk_[lane]; }
+  const Walk& walk(int lane) const { return *walk_[lane]; }
+
+  /// False if it ends where it enters.
+  bool start(int lane, Walk& walk) {
+    const SubsurfaceMedium& medium = walk.medium->medium;
+    if (!(dot(walk.ng, walk.direction) < 0) || !(max_component(medium.entry_weight) > kLeastWeight))
+      return false;
+    walk_[lane] = &walk;
+    segment_[lane] = 0;
+    const Frame frame(walk.n);
+    for (int c = 0; c < 3; ++c) {
+      position_[c].lane[lane] = walk.position[c];
+      direction_[c].lane[lane] = walk.direction[c];
+      s_[c].lane[lane] = frame.s[c], b_[c].lane[lane] = frame.t[c], n_[c].lane[lane] = walk.n[c];
+      weight_[c].lane[lane] = medium.entry_weight[c];
+      sigma_[c].lane[lane] = medium.sigma_t_per_cm[c];
+      albedo_[c].lane[lane] = medium.albedo[c];
+      nu_[c].lane[lane] = walk.medium->lobes[c].nu;
+      log_ratio_[c].lane[lane] = walk.medium->lobes[c].log_ratio;
+    }
+    depth_.lane[lane] = dot(walk.position, walk.n);
+    thickness_.lane[lane] = std::numeric_limits<float>::infinity();
+    return true;
+  }
+
+  /// Draws every walk's next segment. A first one looks farther than it goes, for the other side of a sheet:
+  /// farther than that matters.
+  void draw(SolidRay* rays) {
+    alignas(32) float u[5][8] = {};
+    alignas(32) float first[8];
+    for (int k = 0; k < 8; ++k) {
+      first[k] = segment_[k] == 0 ? 1.0f : 0.0f;
+      if (!walk_[k]) continue;
+      u[0][k] = walk_[k]->random.next();
+      for (int i = 1; i < 4 && segment_[k] > 0; ++i) u[i][k] = walk_[k]->random.next();
+      u[4][k] = walk_[k]->random.next();
+    }
+    const auto number = [&](int i) { return Float8(u[i], stdx::vector_aligned); };
+    const Mask8 is_first = Float8(first, stdx::vector_aligned) > Float8(0);
+    Float8 share[3], sum = 0;
+    for (int c = 0; c < 3; ++c) sum += share[c] = weight_[c].get() * albedo_[c].get();
+    for (int c = 0; c < 3; ++c) share_[c].set(share[c] /= sum);
+    const Mask8 is_red = number(0) < share[0], is_green = number(0) < share[0] + share[1];
+    const auto of_channel = [&](const Value* values) {
+      return select(is_red, values[0].get(), select(is_green, values[1].get(), values[2].get()));
+    };
+    const Float8 sigma = of_channel(sigma_), nu = of_channel(nu_), log_ratio = of_channel(log_ratio_);
+    // The diffuse modes of both faces of a sheet, at this depth.
+    const Float8 thickness = thickness_.get();
+    const Vec3f8 n = vector(n_);
+    const Float8 depth = stdx::min(stdx::max(depth_.get() - dot(vector(position_), n), Float8(0)), thickness);
+    const Float8 decays = stdx::min(Float8(80), (thickness - 2 * depth) * sigma / nu);
+    const Mask8 has_sheet = thickness < Float8(std::numeric_limits<float>::infinity()) && !is_first;
+    const Float8 backward =
+        select(has_sheet, 1 / (1 + exp_of(select(has_sheet, decays, Float8(0)))), Float8(0));
+    Float8 side = select(number(1) < kGuidedShare * backward, Float8(-1), Float8(1));
+    side = select(number(1) < Float8(kGuidedShare) && !is_first, side, Float8(0));
+    const Float8 guided = nu - (nu + 1) * exp_of(-number(2) * log_ratio);
+    const Float8 mu = select(side == Float8(0), 1 - 2 * number(2),
+                             side * stdx::min(stdx::max(guided, Float8(-1)), Float8(1)));
+    const Float8 sine = stdx::sqrt(stdx::max(Float8(0), 1 - mu * mu));
+    Float8 sine_phi, cosine_phi;
+    sine_cosine_of_turns(number(3), sine_phi, cosine_phi);
+    for (int c = 0; c < 3; ++c)
+      direction_[c].set(
+          select(is_first, direction_[c].get(),
+                 sine * cosine_phi * s_[c].get() + sine * sine_phi * b_[c].get() + mu * n_[c].get()));
+    const Float8 t = -log_of(1 - number(4)) / (sigma * (1 - side * mu / nu));
+    t_.set(t), mu_.set(mu), backward_.set(backward);
+    for (int k = 0; k < 8; ++k) {
+      if (!walk_[k]) continue;
+      float t_far = t_.lane[k];
+      if (segment_[k] == 0)
+        t_far = std::max(t_far, 10 / min_component(walk_[k]->medium->medium.sigma_t_per_cm));
+      rays[k] = {{at(position_, k), at(direction_, k)},
+                 t_far,
+                 segment_[k] == 0 ? walk_[k]->triangle : kNoTriangle,
+                 false,
+                 {}};
+    }
+  }
+
+  /// Goes to what the rays found; walks that are over leave their lanes. Returns how many.
+  int go(const Scene& scene, const SolidRay* rays, RayCounts& counts) {
+    alignas(32) float first[8], hit[8];
+    for (int k = 0; k < 8; ++k) {
+      first[k] = segment_[k] == 0 ? 1.0f : 0.0f;
+      hit[k] = 0;
+      if (!walk_[k] || !rays[k].is_hit) continue;
+      const Hit& found = rays[k].hit;
+      if (segment_[k] == 0 && dot(geometric_normal(scene, found.triangle), walk_[k]->ng) < 0)
+        thickness_.lane[k] = found.t * -dot(walk_[k]->direction, walk_[k]->n);
+      if (found.t < t_.lane[k]) hit[k] = 1, t_.lane[k] = found.t;
+    }
+    weigh(Float8(hit, stdx::vector_aligned) > Float8(0), Float8(first, stdx::vector_aligned) > Float8(0));
+    int over = 0;
+    for (int k = 0; k < 8; ++k) {
+      if (!walk_[k]) continue;
+      ++segment_[k];
+      const Vec3f weight = at(weight_, k);
+      const bool is_hit = hit[k] > 0;
+      if (is_hit) {
+        walk_[k]->exit = {rays[k].hit, at(direction_, k), weight};
+        walk_[k]->is_out = is_finite(weight);
+      }
+      if (!is_hit && max_component(weight) > kLeastWeight && segment_[k] < cycles::kMaxWalkSegments) continue;
+      if (!is_hit) counts.walk_leaks += !is_within(scene.bounds, at(position_, k));
+      walk_[k] = nullptr;
+      ++over;
+    }
+    return over;
+  }
 
  private:
   static constexpr float kGuidedShare = 0.75f;
   static constexpr float kLeastWeight = 1e-6f;
 
-  void choose_channel(Random& random) {
-    const Vec3f p = weight_ * medium_.albedo;
-    const float sum = p.x + p.y + p.z;
-    share_ = p / sum;
-    const float u = random.next();
-    channel_ = u < share_.x ? 0 : u < share_.x + share_.y ? 1 : 2;
-  }
-
-  /// `mu_towards`: cosine with the side that is guided to; 0 leaves the extinction as it is.
-  float length(Random& random, float mu_towards) const {
-    const float sigma = medium_.sigma_t_per_cm[channel_] * (1 - mu_towards / lobes_[channel_].nu);
-    return -std::log(1 - random.next()) / sigma;
+  struct alignas(32) Value {
+    float lane[8];
+    Float8 get() const { return Float8(lane, stdx::vector_aligned); }
+    void set(Float8 value) { value.copy_to(lane, stdx::vector_aligned); }
+  };
+  static Vec3f8 vector(const Value* values) { return {values[0].get(), values[1].get(), values[2].get()}; }
+  static Vec3f at(const Value* values, int k) {
+    return {values[0].lane[k], values[1].lane[k], values[2].lane[k]};
   }
 
   // pdf of (direction, t) or, on a hit, of (direction, longer than t), over what the medium does.
-  void weigh(float t_cm, bool is_hit, float mu, bool has_direction) {
-    float pdf = 0;
-    Vec3f transmitted;
+  void weigh(Mask8 is_hit, Mask8 is_first) {
+    const Float8 t = t_.get(), mu = mu_.get(), backward = backward_.get(), one = 1;
+    const bool any_backward = stdx::any_of(backward > Float8(0));
+    Float8 pdf = 0, transmitted[3];
     for (int c = 0; c < 3; ++c) {
-      const float sigma = medium_.sigma_t_per_cm[c];
-      transmitted[c] = std::exp(-sigma * t_cm);
-      const float plain = (is_hit ? 1 : sigma) * transmitted[c];
-      float strategies = plain;
-      if (has_direction) {
-        const float stretch = mu / lobes_[c].nu;
-        strategies = (1 - kGuidedShare) * plain / (4 * kPi);
-        strategies += kGuidedShare * (1 - backward_) * lobes_[c].pdf(mu) *
-                      (is_hit ? 1 : sigma * (1 - stretch)) * std::exp(-sigma * (1 - stretch) * t_cm);
-        if (backward_ > 0)
-          strategies += kGuidedShare * backward_ * lobes_[c].pdf(-mu) * (is_hit ? 1 : sigma * (1 + stretch)) *
-                        std::exp(-sigma * (1 + stretch) * t_cm);
-      }
-      pdf += share_[c] * strategies;
+      const Float8 sigma = sigma_[c].get(), nu = nu_[c].get(), stretch = mu / nu;
+      transmitted[c] = exp_of(-sigma * t);
+      const Float8 plain = select(is_hit, one, sigma) * transmitted[c];
+      // A Dwivedi lobe's density in solid angle, times that of the distance.
+      const Float8 guided = kGuidedShare / (2 * kPi * log_ratio_[c].get());
+      Float8 strategies = (1 - kGuidedShare) / (4 * kPi) * plain;
+      strategies += (1 - backward) * guided / (nu - mu) * select(is_hit, one, sigma * (1 - stretch)) *
+                    exp_of(-sigma * (1 - stretch) * t);
+      if (any_backward)
+        strategies += backward * guided / (nu + mu) * select(is_hit, one, sigma * (1 + stretch)) *
+                      exp_of(-sigma * (1 + stretch) * t);
+      pdf += share_[c].get() * select(is_first, plain, strategies);
     }
-    const float phase = has_direction ? 1 / (4 * kPi) : 1.0f;
-    Vec3f factor = phase / pdf * transmitted;
-    if (!is_hit) factor = factor * medium_.albedo * medium_.sigma_t_per_cm;
-    weight_ = weight_ * factor;
+    const Float8 scale = select(is_first, one, Float8(1 / (4 * kPi))) / pdf;
+    for (int c = 0; c < 3; ++c) {
+      const Float8 scattered = select(is_hit, one, albedo_[c].get() * sigma_[c].get());
+      weight_[c].set(weight_[c].get() * scale * transmitted[c] * scattered);
+      position_[c].set(position_[c].get() + t * direction_[c].get());
+    }
   }
 
-  const SubsurfaceMedium& medium_;
-  const DwivediLobe* lobes_;
-  Vec3f entry_, n_;
-  Vec3f weight_, share_{};
-  float thickness_cm_ = std::numeric_limits<float>::infinity();
-  float backward_ = 0, mu_ = 0;
-  int channel_ = 0;
+  Walk* walk_[8] = {};
+  int segment_[8] = {};
+  Value position_[3], direction_[3], s_[3], b_[3], n_[3];  // the axis and a frame about it
+  Value weight_[3], share_[3], sigma_[3], albedo_[3], nu_[3], log_ratio_[3];
+  Value depth_, thickness_, backward_, mu_, t_;  // depth_: of the entry along the axis
 };
 
-/// The closest surface within t_far, cut-outs counted as solid (Cycles' walks do not ask for their alpha).
-/// `skip` is a triangle that is not seen: the one that a walk enters by.
+/// All walks to their ends, eight at once; a lane whose walk is over takes the next one.
 template <bool kCutouts>
-bool intersect_solid(const Scene& scene, const Ray& ray, float t_far, uint32_t skip, RayCounts& counts,
-                     Hit& hit) {
-  const auto closest = [&](RTCScene bvh, uint32_t first, float far, bool is_cutout) {
-    float t_near = 0;
-    Hit found;
-    while (true) {
-      ++counts.walk_segments;
-      record_ray(counts, ray, t_near, far, false, is_cutout);
-      if (!intersect_bvh(bvh, first, ray, t_near, far, found)) return false;
-      if (found.triangle != skip) break;
-      t_near = beyond(found.t, t_near);
-    }
-    hit = found;
-    return true;
-  };
-  bool found = scene.opaque && closest(scene.opaque, 0, t_far, false);
-  if constexpr (kCutouts) found |= closest(scene.cutout, scene.opaque_count, found ? hit.t : t_far, true);
-  return found;
-}
-
-/// Walks from `entry` (seen from outside) until the surface is met again. False if it never is: killed at the
-/// entry, absorbed, or not out after cycles::kMaxWalkSegments, which loses energy that Cycles loses too.
-/// n: the axis that walks are guided along.
-template <bool kCutouts>
-bool walk_under_surface(const Scene& scene, const SurfacePoint& entry, uint32_t triangle,
-                        const WalkMedium& medium, Vec3f n, Vec3f entry_direction, Random& random,
-                        RayCounts& counts, WalkExit& exit) {
-  ++counts.walks;
-  Ray ray{entry.position, entry_direction};
-  if (!(dot(entry.ng, ray.direction) < 0)) return false;
-  RandomWalk walk(medium, entry.position, n);
-  if (walk.is_over()) return false;
-  for (int segment = 0; segment < cycles::kMaxWalkSegments; ++segment) {
-    const bool is_first = segment == 0;
-    float t = is_first ? walk.first_length(random) : walk.next(ray.origin, random, ray.direction);
-    const float t_far = is_first ? std::max(t, walk.search_cm()) : t;
-    bool is_hit =
-        intersect_solid<kCutouts>(scene, ray, t_far, is_first ? triangle : kNoTriangle, counts, exit.hit);
-    if (is_first && is_hit && dot(geometric_normal(scene, exit.hit.triangle), entry.ng) < 0)
-      walk.set_sheet(exit.hit.t * -dot(ray.direction, n));
-    is_hit = is_hit && exit.hit.t < t;
-    if (is_hit) t = exit.hit.t;
-    if (is_first)
-      walk.weigh_first(t, is_hit);
-    else
-      walk.weigh_next(t, is_hit);
-    if (is_hit) {
-      exit.direction = ray.direction;
-      exit.weight = walk.weight();
-      return is_finite(exit.weight);
-    }
-    ray.origin += t * ray.direction;
-    if (walk.is_over()) break;
+void walk_under_surface(const Scene& scene, std::vector<Walk>& walks, RayCounts& counts) {
+  WalkLanes lanes;
+  counts.walks += walks.size();
+  size_t next = 0;
+  int free = 8;
+  while (true) {
+    for (int k = 0; k < 8 && free > 0 && next < walks.size(); ++k)
+      while (lanes.is_free(k) && next < walks.size()) free -= lanes.start(k, walks[next++]);
+    if (free == 8) return;
+    SolidRay rays[8];
+    lanes.draw(rays);
+    alignas(32) int valid[8];
+    for (int k = 0; k < 8; ++k) valid[k] = lanes.is_free(k) ? 0 : -1;
+    intersect_solids<kCutouts>(scene, valid, rays, counts);
+    free += lanes.go(scene, rays, counts);
   }
-  counts.walk_leaks += !is_within(scene.bounds, ray.origin);
-  return false;
 }
 
 }  // namespace ohb

@@ -82,9 +82,9 @@ Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& 
       for (uint32_t s = std::max(first, block.first); s < stop;) {
         samplers.clear();
         for (size_t i = 0; i < kPathsAtOnce && s < stop; ++i, ++s) {
-          PathState& path = tile.next.emplace_back();
-          path.sampler = &samplers.emplace_back(paths.seed, pixel, s);
-          const Vec2f jitter = path.sampler->next_pair();
+          PathSampler& sampler = samplers.emplace_back(paths.seed, pixel, s);
+          PathState& path = tile.next.emplace_back(sampler);
+          const Vec2f jitter = sampler.next_pair();
           const bool centre = s == 0 && picture.settings.first_sample_at_centre;
           path.ray = picture.view.ray(static_cast<float>(x) + (centre ? 0.5f : jitter.x),
                                       static_cast<float>(y) + (centre ? 0.5f : jitter.y));

@@ -35,6 +35,17 @@ class Random {
   }
   /// Uniform in [0, 1).
   float next() { return static_cast<float>(next_bits() >> 8) * 0x1p-24f; }
+  Vec2f next_pair() {
+    const float x = next();
+    return {x, next()};
+  }
+  /// Number k of as many independent others as are wanted.
+  Random branch(uint64_t k) const {
+    Random other = *this;
+    other.state_ = mix_bits(state_ + 0x9e3779b97f4a7c15ull * (k + 1));
+    other.increment_ = mix_bits(other.state_ ^ increment_) | 1;
+    return other;
+  }
 
  private:
   uint64_t state_, increment_;
@@ -73,8 +84,9 @@ inline void sobol_pair(uint32_t index, uint32_t& x, uint32_t& y) {
 }
 
 /// The numbers of one path. The leading pairs (pixel position, then lights, lobe and direction at the first
-/// two surfaces, or at the first and under it) are Owen-scrambled Sobol points, shuffled pair by pair (Burley
-/// 2020, padding): the samples of a pixel are stratified there. Everything after them is independent.
+/// surface, and what walks under it begin and end with) are Owen-scrambled Sobol points, shuffled pair by
+/// pair (Burley 2020, padding): the samples of a pixel are stratified there. Everything after them is
+/// independent.
 class PathSampler {
  public:
   static constexpr int kStratifiedPairs = 8;
@@ -85,10 +97,7 @@ class PathSampler {
         sample_(sample) {}
 
   Vec2f next_pair() {
-    if (pair_ >= kStratifiedPairs) {
-      const float x = random.next();
-      return {x, random.next()};
-    }
+    if (pair_ >= kStratifiedPairs) return random.next_pair();
     const uint64_t bits = mix_bits(key_ + 0x9e3779b97f4a7c15ull * static_cast<uint64_t>(++pair_));
     const uint64_t more = mix_bits(bits);
     uint32_t x, y;

@@ -35,8 +35,8 @@ void trace_wave(const PathContext& c, Tile& tile) {
   tile.arrivals.resize(count);
   if constexpr (kCutouts) {
     for (size_t i = 0; i < count; ++i)
-      tile.arrivals[i].is_hit = intersect<true>(c.scene, tile.wave[i].ray, tile.wave[i].sampler->random,
-                                                tile.rays, tile.arrivals[i].hit);
+      tile.arrivals[i].is_hit =
+          intersect<true>(c.scene, tile.wave[i].ray, tile.wave[i].random, tile.rays, tile.arrivals[i].hit);
   } else {
     for (size_t i = 0; i < count; i += 8)
       intersect_eight_paths(c.scene, &tile.wave[i], static_cast<int>(std::min<size_t>(8, count - i)),
@@ -56,7 +56,7 @@ void trace_wave(const PathContext& c, Tile& tile) {
 }
 
 /// A path at the end of its ray.
-template <bool kCutouts, class Bsdf>
+template <class Bsdf>
 void arrive(const PathContext& c, const Arrival& arrival, PathState& state, Tile& tile, Vec3f* radiance) {
   if (!arrival.is_hit) {
     // The camera sees no background: it is transparent.
@@ -66,10 +66,35 @@ void arrive(const PathContext& c, const Arrival& arrival, PathState& state, Tile
   if (state.bounce > c.max_bounces) return;
   if (state.bounce >= kRouletteFromBounce) {
     const float survive = std::fmin(1.0f, std::sqrt(max_component(state.throughput)));
-    if (!(state.sampler->random.next() < survive)) return;
+    if (!(state.random.next() < survive)) return;
     state.throughput *= 1 / survive;
   }
-  scatter<kCutouts, Bsdf>(c, arrival.hit, state, tile);
+  scatter<Bsdf>(c, arrival.hit, state, tile);
+}
+
+/// All walks to their ends; those that come out ask the lights there and go on.
+template <bool kCutouts, class Bsdf>
+void leave_walks(const PathContext& c, Tile& tile) {
+  walk_under_surface<kCutouts>(c.scene, tile.walks, tile.rays);
+  for (const Walk& walk : tile.walks)
+    if (walk.is_out) prefetch_surface(c.scene, walk.exit.hit);
+  for (const Walk& walk : tile.walks)
+    if (walk.is_out) prefetch_texels(c.scene, walk.exit.hit);
+  for (size_t i = 0; i < tile.walks.size(); ++i) {
+    const WalkExit& exit = tile.walks[i].exit;
+    WalkingPath& path = tile.walking[i];
+    if (!tile.walks[i].is_out) continue;
+    path.state.throughput *= exit.weight;
+    const SurfacePoint point = surface_at(c.scene, exit.hit, exit.direction);
+    const Bsdf bsdf = exit_bsdf_at<Bsdf>(point, exit.direction);
+    const bool ends = ends_at(c, path.state, bsdf);
+    const Split split = ends ? Split().without_reflections() : Split();
+    sample_lights(c, point, bsdf, path.state.throughput, path.numbers.light.of(path.k, path.n), split, tile);
+    const Vec2f u = lattice_point(path.numbers.direction, path.k, path.n);
+    if (!ends && bounce_off(c, point, bsdf.sample(0, u.x, u.y), split.worth, path.state))
+      tile.next.push_back(path.state);
+  }
+  tile.walks.clear(), tile.walking.clear(), tile.media.clear();
 }
 
 /// The paths of one pixel's camera rays in tile.next to their ends, surface by surface all together, added to
@@ -81,7 +106,8 @@ void trace_paths(const PathContext& c, Tile& tile, Vec3f* radiance) {
     tile.next.clear();
     trace_wave<kCutouts>(c, tile);
     for (size_t i = 0; i < tile.wave.size(); ++i)
-      arrive<kCutouts, Bsdf>(c, tile.arrivals[i], tile.wave[i], tile, radiance);
+      arrive<Bsdf>(c, tile.arrivals[i], tile.wave[i], tile, radiance);
+    if (!tile.walks.empty()) leave_walks<kCutouts, Bsdf>(c, tile);
   }
   ask_shadows<kCutouts>(c, tile, radiance);
 }

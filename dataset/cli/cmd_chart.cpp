@@ -25,8 +25,10 @@ void print_summary(const SpeedAccuracy& chart, const fs::path& output) {
     std::printf("%-28s %6d %9.2f %9.3f %9.3f  %.3f %%%s\n", p.series.c_str(), p.spp, p.load_s, p.wall_s,
                 p.cpu_s, 100 * p.relative_error, p.on_front ? "  front" : "");
   for (const SpeedAccuracyRatio& r : chart.ratios)
-    std::printf("to an error of %.3f %%: %s takes %.2f times as long as %s (%.2f without loading)\n",
-                100 * r.relative_error, r.cycles.c_str(), r.with_loading, r.ours.c_str(), r.without_loading);
+    std::printf("to an error of %.3f %%: %s%s takes %.2f times as long as %s (%.2f without loading)\n",
+                100 * r.relative_error, r.cycles.c_str(),
+                r.adaptive_threshold > 0 ? " with its adaptive stop" : "", r.with_loading, r.ours.c_str(),
+                r.without_loading);
   if (chart.subsurface_effect > 0)
     std::printf("leaving subsurface out changes the picture by %.2f %% (root mean square over the subject)\n",
                 100 * chart.subsurface_effect);

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "dataset/model/progress.h"
+#include "renderer/quality.h"
 #include "renderer/sampling.h"
 #include "renderer/validation/sides.h"
 #include "renderer/validation/stopwatch.h"
@@ -11,37 +13,44 @@
 namespace ohb {
 namespace {
 
+// Of Cycles' early stop, and how many times the paths of the best images it may take until then.
 constexpr double kAdaptiveThresholds[] = {0.1, 0.03, 0.01};
+constexpr int kAdaptiveSpp = 16;
+constexpr double kAutoTolerance = 0.02;  // the default of `render`
+// Cycles' points that far from our error say what it would take for it.
+constexpr double kFarthestError = 4;
 
 struct Errors {
   double mean_square = 0, mean_squared_error = 0;
   double relative() const { return std::sqrt(mean_squared_error / mean_square); }
 };
 
-Image mean_image(const std::vector<const ImageStack*>& stacks) {
-  Image mean(stacks[0]->front().width_px, stacks[0]->front().height_px, 3);
-  size_t count = 0;
-  for (const ImageStack* stack : stacks)
-    for (const Image& image : *stack) {
-      ++count;
-      for (int y = 0; y < mean.height_px; ++y)
-        for (int x = 0; x < mean.width_px; ++x)
-          for (int c = 0; c < 3; ++c) mean.pixel(x, y)[c] += image.pixel(x, y)[c];
-    }
-  for (float& value : mean.values) value /= static_cast<float>(count);
+/// What both programs' unbiased images say together, and how far that still is from the truth.
+struct Reference {
+  Image image;
+  double mean_squared_error = 0;
+};
+
+Image mean_image(const ImageStack& stack) {
+  Image mean(stack.front().width_px, stack.front().height_px, 3);
+  for (const Image& image : stack)
+    for (int y = 0; y < mean.height_px; ++y)
+      for (int x = 0; x < mean.width_px; ++x)
+        for (int c = 0; c < 3; ++c)
+          mean.pixel(x, y)[c] += image.pixel(x, y)[c] / static_cast<float>(stack.size());
   return mean;
 }
 
 /// Over the pixels of the subject (mask above 0). Without a reference: the unbiased variance over the seeds.
-Errors errors_of(const ImageStack& stack, const Image& mask, const Image* reference) {
-  const Image mean = mean_image({&stack});
+Errors errors_of(const ImageStack& stack, const Image& mask, const Reference* reference) {
+  const Image centres = reference ? reference->image : mean_image(stack);
   Errors errors;
   size_t count = 0;
   for (int y = 0; y < mask.height_px; ++y)
     for (int x = 0; x < mask.width_px; ++x) {
       if (!(mask.pixel(x, y)[0] > 0)) continue;
       for (int c = 0; c < 3; ++c) {
-        const double centre = reference ? reference->pixel(x, y)[c] : mean.pixel(x, y)[c];
+        const double centre = centres.pixel(x, y)[c];
         double squares = 0;
         for (const Image& image : stack) squares += std::pow(image.pixel(x, y)[c] - centre, 2);
         errors.mean_squared_error += squares / static_cast<double>(stack.size() - (reference ? 0 : 1));
@@ -51,7 +60,26 @@ Errors errors_of(const ImageStack& stack, const Image& mask, const Image* refere
     }
   errors.mean_squared_error /= static_cast<double>(count);
   errors.mean_square /= static_cast<double>(count);
+  // What the reference misses itself is not the images' fault.
+  if (reference)
+    errors.mean_squared_error = std::max(errors.mean_squared_error - reference->mean_squared_error,
+                                         0.01 * reference->mean_squared_error);
   return errors;
+}
+
+/// The mean of both, weighted by how sure each is.
+Reference reference_of(const ImageStack& ours, const ImageStack& cycles, const Image& mask) {
+  const double of_ours = errors_of(ours, mask, nullptr).mean_squared_error / static_cast<double>(ours.size());
+  const double of_cycles =
+      errors_of(cycles, mask, nullptr).mean_squared_error / static_cast<double>(cycles.size());
+  Reference reference{mean_image(ours), 0};
+  if (!(of_ours + of_cycles > 0)) return reference;
+  const Image other = mean_image(cycles);
+  const auto share = static_cast<float>(of_ours / (of_ours + of_cycles));
+  for (size_t i = 0; i < other.values.size(); ++i)
+    reference.image.values[i] += share * (other.values[i] - reference.image.values[i]);
+  reference.mean_squared_error = of_ours * of_cycles / (of_ours + of_cycles);
+  return reference;
 }
 
 std::vector<CyclesPass> ladder(const SpeedAccuracySettings& settings) {
@@ -86,12 +114,13 @@ class Measurement {
     bool has_subsurface = false;
     for (const TextureSet& set : model_.sets)
       for (const float sss : set.sss.values) has_subsurface |= sss > 0;
-    const Image whole = compare_pair("ours", "Cycles", true);
+    const Reference whole = compare("", {environments_.front()}, true);
     if (has_subsurface) {
-      const Image plain = compare_pair("ours, no subsurface", "Cycles, no subsurface", false);
-      chart_.subsurface_effect = errors_of({plain}, mask_, &whole).relative();
+      const Reference plain = compare(", no subsurface", {environments_.front()}, false);
+      chart_.subsurface_effect = errors_of({plain.image}, mask_, &whole).relative();
     }
-    if (environments_.size() > 1) compare_lights();
+    if (environments_.size() > 1)
+      compare(fmt::format(", {} lights", environments_.size()), environments_, true);
     mark_front();
     return chart_;
   }
@@ -103,122 +132,135 @@ class Measurement {
     return folder;
   }
 
-  void add_points(const std::string& series, const std::vector<CyclesPass>& passes,
-                  const std::vector<SideCost>& costs, const std::vector<Errors>& errors) {
-    for (size_t i = 0; i < passes.size(); ++i)
-      chart_.points.push_back({series, passes[i].spp, passes[i].adaptive_threshold, costs[i].load_s,
-                               costs[i].wall_s, costs[i].cpu_s, errors[i].relative()});
-  }
-
-  void add_ratio(const SpeedAccuracyPoint& ours, const SpeedAccuracyPoint& cycles) {
-    const double work = std::pow(cycles.relative_error / ours.relative_error, 2);
-    chart_.ratios.push_back({ours.series, cycles.series, ours.relative_error,
-                             (cycles.load_s + work * cycles.wall_s) / (ours.load_s + ours.wall_s),
-                             work * cycles.wall_s / ours.wall_s});
-  }
-
-  /// Both programs on one light; returns the mean of the best images of both.
-  Image compare_pair(const std::string& ours_name, const std::string& cycles_name, bool subsurface) {
-    scene_.subsurface = subsurface;
-    scene_.passes = ladder(chart_.settings);
-    const size_t plain_count = scene_.passes.size();
-    if (subsurface)
-      for (const double threshold : kAdaptiveThresholds) {
-        scene_.passes.push_back(scene_.passes[plain_count - 1]);
-        scene_.passes.back().spp = std::min(4 * chart_.settings.max_spp, kMaxCyclesSpp);
-        scene_.passes.back().adaptive_threshold = threshold;
-      }
-    const CyclesSide cycles = render_cycles_side(scene_, blender_, chart_.settings.threads, next_scratch());
-    const std::vector<CyclesPass> all = scene_.passes;
-    scene_.passes.resize(plain_count);
-    const OurSide ours = OurRenderer(scene_).render(scene_.passes, chart_.settings.seed);
-    const Image reference = mean_image({&ours.passes.back(), &cycles.passes[plain_count - 1]});
-    std::vector<Errors> our_errors, cycles_errors;
-    for (const ImageStack& stack : ours.passes) our_errors.push_back(errors_of(stack, mask_, nullptr));
-    for (size_t i = 0; i < all.size(); ++i)
-      cycles_errors.push_back(
-          errors_of(cycles.passes[i], mask_, all[i].adaptive_threshold > 0 ? &reference : nullptr));
-    add_points(ours_name, scene_.passes, ours.pass_costs, our_errors);
-    const SpeedAccuracyPoint our_best = chart_.points.back();
-    add_points(cycles_name, scene_.passes, cycles.pass_costs, cycles_errors);
-    const SpeedAccuracyPoint cycles_best = chart_.points.back();
-    add_ratio(our_best, cycles_best);
-    std::vector<SideCost> costs(plain_count);
-    std::vector<Errors> errors(plain_count);
-    render_ours({*scene_.environment}, costs, errors);
-    add_points(ours_name + ", adaptive", scene_.passes, costs, errors);
-    add_ratio(chart_.points.back(), cycles_best);
-    for (size_t i = plain_count; i < all.size(); ++i)
-      add_points(cycles_name + ", adaptive", {all[i]}, {cycles.pass_costs[i]}, {cycles_errors[i]});
-    return reference;
-  }
-
-  /// Ours in one pass against Cycles once a light; the error is the root mean square of the lights' own.
-  void compare_lights() {
-    scene_.subsurface = true;
-    scene_.passes = ladder(chart_.settings);
-    const std::string lights = fmt::format(", {} lights", environments_.size());
-    std::vector<SideCost> costs(scene_.passes.size());
-    std::vector<Errors> errors(scene_.passes.size());
-    render_ours(environments_, costs, errors);
-    add_points("ours" + lights, scene_.passes, costs, errors);
-    const SpeedAccuracyPoint our_best = chart_.points.back();
-    costs.assign(costs.size(), {});
-    errors.assign(errors.size(), {});
-    for (const Environment& environment : environments_) {
-      scene_.environment = &environment;
-      const CyclesSide side = render_cycles_side(scene_, blender_, chart_.settings.threads, next_scratch());
-      for (size_t i = 0; i < side.passes.size(); ++i) {
-        if (costs[i].load_s == 0) costs[i].load_s = side.pass_costs[i].load_s;
-        costs[i].wall_s += side.pass_costs[i].wall_s;
-        costs[i].cpu_s += side.pass_costs[i].cpu_s;
-        add_light(errors_of(side.passes[i], mask_, nullptr), errors[i]);
-      }
-    }
-    scene_.environment = &environments_.front();
-    add_points("Cycles" + lights, scene_.passes, costs, errors);
-    add_ratio(our_best, chart_.points.back());
-  }
-
-  void add_light(const Errors& of_light, Errors& sum) const {
-    sum.mean_squared_error += of_light.mean_squared_error / of_light.mean_square;
-    sum.mean_square += 1;
-  }
-
-  /// The ladder with adaptive budgets, all lights in one pass.
-  void render_ours(const std::vector<Environment>& environments, std::vector<SideCost>& costs,
-                   std::vector<Errors>& errors) const {
-    const Stopwatch loading;
-    const auto scene = build_scene(model_);
-    const auto lights = prepare_lights(environments, {});
-    const double load_s = loading.wall_s();
+  /// Images of the ladder, [pass][light], and what each pass cost.
+  struct Ours {
+    std::vector<SideCost> costs;
+    std::vector<std::vector<ImageStack>> stacks;
+  };
+  Ours render_ours(const std::vector<Environment>& environments, Quality quality, bool adaptive) {
     RenderSettings settings;
     settings.size_px = chart_.settings.size_px;
     settings.max_bounces = chart_.settings.max_bounces;
     settings.subsurface = scene_.subsurface;
-    settings.adaptive = true;
-    for (size_t i = 0; i < scene_.passes.size(); ++i) {
-      const size_t seeds = scene_.passes[i].seeds.size();
-      std::vector<ImageStack> stacks(environments.size());
-      settings.spp = scene_.passes[i].spp;
+    settings.adaptive = adaptive;
+    const std::vector<CyclesPass> passes = ladder(chart_.settings);
+    settings.spp = passes.back().spp;  // the job that kAuto chooses for
+    const Stopwatch loading;
+    const PreparedScene prepared =
+        prepare_scene(model_, environments, {}, {{scene_.camera, 0}}, 1, settings, quality, kAutoTolerance);
+    const double load_s = loading.wall_s();
+    Progress progress("ours", passes.size() * static_cast<size_t>(chart_.settings.seeds));
+    Ours ours;
+    for (size_t i = 0; i < passes.size(); ++i) {
+      const size_t seeds = passes[i].seeds.size();
+      ours.stacks.emplace_back(environments.size());
+      settings.spp = passes[i].spp;
       const Stopwatch watch;
       for (size_t k = 0; k < seeds; ++k) {
-        settings.seed = mix_bits(mix_bits(chart_.settings.seed + 1) + 1000 * i + k);
-        std::vector<SampleLight> images = render_lights(*scene, *lights, scene_.camera, 0, settings);
-        for (size_t l = 0; l < images.size(); ++l) stacks[l].push_back(std::move(images[l].radiance));
+        settings.seed = mix_bits(mix_bits(chart_.settings.seed + 1 + series_count_) + 1000 * i + k);
+        std::vector<SampleLight> images =
+            render_lights(*prepared.lit, *prepared.lights, scene_.camera, 0, prepared.settings_for(settings));
+        for (size_t l = 0; l < images.size(); ++l)
+          ours.stacks.back()[l].push_back(std::move(images[l].radiance));
       }
-      costs[i].load_s = load_s;
-      costs[i].wall_s = watch.wall_s() / static_cast<double>(seeds);
-      costs[i].cpu_s = watch.cpu_s() / static_cast<double>(seeds);
-      for (const ImageStack& stack : stacks) add_light(errors_of(stack, mask_, nullptr), errors[i]);
+      const auto count = static_cast<double>(seeds);
+      ours.costs.push_back({load_s, watch.wall_s() / count, watch.cpu_s() / count, 0});
+      progress.add(seeds);
     }
+    ++series_count_;
+    return ours;
+  }
+
+  /// One point: of several lights the time of all and the root mean square of their relative errors.
+  void add_point(const std::string& series, const CyclesPass& pass, const SideCost& cost,
+                 const std::vector<Errors>& of_lights) {
+    double squares = 0;
+    for (const Errors& errors : of_lights) squares += errors.mean_squared_error / errors.mean_square;
+    chart_.points.push_back({series, pass.spp, pass.adaptive_threshold, cost.load_s, cost.wall_s, cost.cpu_s,
+                             std::sqrt(squares / static_cast<double>(of_lights.size()))});
+  }
+  /// `references`, one a light: of images that may be biased.
+  void add_ours(const std::string& series, const Ours& ours, const std::vector<Reference>* references) {
+    const std::vector<CyclesPass> passes = ladder(chart_.settings);
+    for (size_t i = 0; i < passes.size(); ++i) {
+      std::vector<Errors> errors;
+      for (size_t l = 0; l < ours.stacks[i].size(); ++l)
+        errors.push_back(errors_of(ours.stacks[i][l], mask_, references ? &(*references)[l] : nullptr));
+      add_point(series, passes[i], ours.costs[i], errors);
+    }
+  }
+
+  /// Our last point against the best that Cycles can do of its points from `first` on.
+  void add_ratio(size_t first, size_t end, const std::string& cycles) {
+    const SpeedAccuracyPoint& ours = chart_.points.back();
+    SpeedAccuracyRatio best;
+    for (size_t i = first; i < end; ++i) {
+      const SpeedAccuracyPoint& p = chart_.points[i];
+      const double work = std::pow(p.relative_error / ours.relative_error, 2);
+      const bool is_far = p.relative_error > kFarthestError * ours.relative_error && i + 1 < end;
+      const SpeedAccuracyRatio ratio{ours.series,
+                                     cycles,
+                                     p.adaptive_threshold,
+                                     ours.relative_error,
+                                     (p.load_s + work * p.wall_s) / (ours.load_s + ours.wall_s),
+                                     work * p.wall_s / ours.wall_s};
+      if (best.ours.empty() || (!is_far && ratio.with_loading < best.with_loading)) best = ratio;
+    }
+    chart_.ratios.push_back(best);
+  }
+
+  /// Both programs with these lights: ours all in one pass, Cycles one after the other. The reference is of
+  /// the first light.
+  Reference compare(const std::string& suffix, const std::vector<Environment>& environments,
+                    bool subsurface) {
+    scene_.subsurface = subsurface;
+    scene_.passes = ladder(chart_.settings);
+    const size_t plain_count = scene_.passes.size();
+    for (const double threshold : kAdaptiveThresholds) {
+      scene_.passes.push_back(scene_.passes[plain_count - 1]);
+      scene_.passes.back().spp = std::min(kAdaptiveSpp * chart_.settings.max_spp, kMaxCyclesSpp);
+      scene_.passes.back().adaptive_threshold = threshold;
+    }
+    std::vector<CyclesSide> cycles;
+    for (const Environment& environment : environments) {
+      scene_.environment = &environment;
+      cycles.push_back(render_cycles_side(scene_, blender_, chart_.settings.threads, next_scratch()));
+    }
+    scene_.environment = &environments_.front();
+    const Ours even = render_ours(environments, Quality::kReference, false);
+    std::vector<Reference> references;
+    for (size_t l = 0; l < environments.size(); ++l)
+      references.push_back(reference_of(even.stacks.back()[l], cycles[l].passes[plain_count - 1], mask_));
+
+    const size_t first = chart_.points.size();
+    for (size_t i = 0; i < scene_.passes.size(); ++i) {
+      const bool stops_early = i >= plain_count;
+      SideCost cost{cycles.front().pass_costs[i].load_s, 0, 0, 0};
+      std::vector<Errors> errors;
+      for (size_t l = 0; l < cycles.size(); ++l) {
+        cost.wall_s += cycles[l].pass_costs[i].wall_s;
+        cost.cpu_s += cycles[l].pass_costs[i].cpu_s;
+        errors.push_back(errors_of(cycles[l].passes[i], mask_, stops_early ? &references[l] : nullptr));
+      }
+      add_point("Cycles" + suffix + (stops_early ? ", adaptive" : ""), scene_.passes[i], cost, errors);
+    }
+    const size_t end = chart_.points.size();
+    add_ours("ours" + suffix, even, nullptr);
+    add_ratio(first, end, "Cycles" + suffix);
+    add_ours("ours" + suffix + ", adaptive", render_ours(environments, Quality::kReference, true), nullptr);
+    add_ratio(first, end, "Cycles" + suffix);
+    if (suffix.empty()) {
+      add_ours("ours, auto", render_ours(environments, Quality::kAuto, true), &references);
+      add_ours("ours, fast", render_ours(environments, Quality::kFast, true), &references);
+    }
+    return references.front();
   }
 
   /// Of the points that compute the same thing: one light, subsurface as the model has it.
   void mark_front() {
     const auto compares = [](const SpeedAccuracyPoint& p) {
       return p.series == "ours" || p.series == "ours, adaptive" || p.series == "Cycles" ||
-             p.series == "Cycles, adaptive";
+             p.series == "Cycles, adaptive" || p.series == "ours, auto";
     };
     for (SpeedAccuracyPoint& p : chart_.points) {
       p.on_front = compares(p);
@@ -236,6 +278,7 @@ class Measurement {
   Image mask_;
   SpeedAccuracy chart_;
   int scratch_count_ = 0;
+  uint64_t series_count_ = 0;  // of ours: each has its own seeds
 };
 
 }  // namespace

@@ -28,9 +28,10 @@ struct SpeedAccuracyPoint {
   bool on_front = false;      // nothing else is both faster (loading included) and nearer
 };
 
-/// Times to the error that our best image has: of Cycles over ours.
+/// Times to the error that our best image has: of Cycles, as it is fastest, over ours.
 struct SpeedAccuracyRatio {
   std::string ours, cycles;
+  double adaptive_threshold = 0;  // that Cycles is fastest with; 0: none
   double relative_error = 0;
   double with_loading = 0, without_loading = 0;
 };
@@ -45,12 +46,13 @@ struct SpeedAccuracy {
   double subsurface_effect = 0;
 };
 
-/// Renders the front view with 4, 16, ... max_spp paths a pixel and `seeds` seeds each: ours and Cycles, with
-/// and without subsurface (if the model has any), Cycles with its adaptive stop, and if there is more than
-/// one environment, all of them in one pass of ours against one render each of Cycles. The first environment
-/// lights all else. The error of unbiased images is the standard deviation over the seeds; that of adaptive
-/// ones their distance to the mean of the best of ours and of Cycles. Loading counts once for several lights.
-/// Throws InputError if Blender is missing, wrong, or fails.
+/// Renders the front view with 4, 16, ... max_spp paths a pixel and `seeds` seeds each: ours (even and
+/// adaptive budgets) and Cycles (with and without its adaptive stop), with and without subsurface (if the
+/// model has any), and if there is more than one environment, all of them in one pass of ours against one
+/// render each of Cycles. The first environment lights all else, among it ours with kAuto and kFast. The
+/// error of unbiased images is the standard deviation over the seeds; that of others their distance to the
+/// mean of the best of ours and of Cycles, less that mean's own. Loading counts once for several lights; that
+/// of kAuto includes its choice. Throws InputError if Blender is missing, wrong, or fails.
 SpeedAccuracy measure_speed_accuracy(const Model& model, const std::vector<Environment>& environments,
                                      const SpeedAccuracySettings& settings,
                                      const std::filesystem::path& scratch);

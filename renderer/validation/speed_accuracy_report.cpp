@@ -58,13 +58,16 @@ std::string plot_script(const SpeedAccuracy& chart) {
     const bool ours = names[s].rfind("ours", 0) == 0;
     const bool plain = names[s].find("no subsurface") != std::string::npos;
     const bool several = names[s].find("lights") != std::string::npos;
-    plot +=
-        fmt::format("  $s{} with linespoints pt {} lw 2 dt {} lc rgb '{}' title {}{}\n", s, several ? 5 : 7,
-                    names[s].find("adaptive") != std::string::npos ? 3
-                    : plain                                        ? 2
-                                                                   : 1,
-                    ours ? (several ? "#1a7f37" : "#1f5fbf") : (several ? "#b36b00" : "#c03030"),
-                    gnuplot_quoted(names[s]), s + 1 < names.size() ? ", \\" : "");
+    const bool chosen = names[s] == "ours, auto" || names[s] == "ours, fast";
+    const char* colour = chosen  ? (names[s] == "ours, auto" ? "#7a3fb0" : "#c77fd9")
+                         : ours  ? (several ? "#1a7f37"
+                                    : plain ? "#5fa8e8"
+                                            : "#1f5fbf")
+                         : plain ? "#f08a80"
+                                 : (several ? "#b36b00" : "#c03030");
+    plot += fmt::format("  $s{} with linespoints pt {} lw 2 dt {} lc rgb '{}' title {}{}\n", s,
+                        several ? 5 : 7, names[s].find("adaptive") != std::string::npos ? 3 : 1, colour,
+                        gnuplot_quoted(names[s]), s + 1 < names.size() ? ", \\" : "");
   }
   script += "set terminal svg size 980,560 background rgb 'white'\nset output 'chart.svg'\n" + plot;
   script += "set terminal pngcairo size 980,560\nset output 'chart.png'\n" + plot;
@@ -101,6 +104,7 @@ std::string speed_accuracy_json(const SpeedAccuracy& chart) {
   for (const SpeedAccuracyRatio& r : chart.ratios)
     json["times_to_equal_error"].push_back({{"ours", r.ours},
                                             {"cycles", r.cycles},
+                                            {"cycles_adaptive_threshold", r.adaptive_threshold},
                                             {"relative_error", r.relative_error},
                                             {"cycles_over_ours", r.with_loading},
                                             {"cycles_over_ours_without_loading", r.without_loading}});

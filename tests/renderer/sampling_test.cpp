@@ -6,6 +6,8 @@
 #include <set>
 #include <vector>
 
+#include "renderer/eight.h"
+
 namespace ohb {
 namespace {
 
@@ -80,6 +82,38 @@ TEST(TurnsOf, EqualsTheArcTangent) {
   EXPECT_EQ(turns_of(1, 0), 0.25f);
   EXPECT_EQ(turns_of(-1, 0), -0.25f);
   EXPECT_EQ(turns_of(0, -1), 0.5f);
+}
+
+// Of eight at once, against double precision; every lane its own number.
+TEST(Eight, ExponentialLogarithmAndSinesAreWithinRounding) {
+  Random random(4, 0, 0);
+  double exponential = 0, logarithm = 0, sines = 0;
+  for (int i = 0; i < 50000; ++i) {
+    alignas(32) float x[8], positive[8], turns[8];
+    for (int k = 0; k < 8; ++k) {
+      x[k] = 174 * random.next() - 87;
+      positive[k] = i % 2 ? 1 - random.next() : std::exp2(120 * random.next() - 60);
+      turns[k] = random.next();
+    }
+    const Float8 e = exp_of(Float8(x, stdx::vector_aligned)),
+                 l = log_of(Float8(positive, stdx::vector_aligned));
+    Float8 sine, cosine;
+    sine_cosine_of_turns(Float8(turns, stdx::vector_aligned), sine, cosine);
+    for (int k = 0; k < 8; ++k) {
+      exponential = std::max(exponential, std::fabs(e[k] / std::exp(double{x[k]}) - 1));
+      const double exact = std::log(double{positive[k]});
+      logarithm = std::max(logarithm, std::fabs(l[k] - exact) / std::max(std::fabs(exact), 1e-3));
+      sines = std::max({sines, std::fabs(sine[k] - std::sin(2 * M_PI * turns[k])),
+                        std::fabs(cosine[k] - std::cos(2 * M_PI * turns[k]))});
+    }
+  }
+  EXPECT_LT(exponential, 2e-7);
+  EXPECT_LT(logarithm, 2e-7);
+  EXPECT_LT(sines, 5e-7);
+  EXPECT_EQ(log_of(Float8(1.0f))[0], 0.0f);
+  EXPECT_EQ(exp_of(Float8(0.0f))[3], 1.0f);
+  EXPECT_LT(exp_of(Float8(-1000.0f))[5], 2e-38f);
+  EXPECT_GT(exp_of(Float8(1000.0f))[7], 1e38f);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "renderer/random_walk.h"
 #include "renderer/render.h"
 #include "tests/support/test_models.h"
 
@@ -82,7 +83,7 @@ TEST(Subsurface, SingleScatteringAlbedo) {
 TEST(Subsurface, FurnaceOnAHalfSpace) {
   RenderSettings settings;
   settings.size_px = 64;
-  settings.spp = 64;  // of four walks each
+  settings.spp = 64;
   const auto furnace = [&](Vec3f albedo) {
     const auto scene = build_scene(plane_model(1000, constant_set(subsurface_material(albedo))));
     return render_lights(*scene, *prepare_lights({white_environment()}, {}), narrow_camera(500), 0,
@@ -108,6 +109,80 @@ TEST(Subsurface, FurnaceOnAHalfSpace) {
   expect_reflectance(low, 2, 0.810);
   expect_reflectance(furnace({1, 1, 1}), 0, 0.9185);
   EXPECT_EQ(mean_of(furnace({0.5f, 0.5f, 0}), 2), 0);
+}
+
+/// Mean and squared standard error.
+struct Estimate {
+  double sum = 0, squares = 0;
+  int count = 0;
+  void add(double value) { sum += value, squares += value * value, ++count; }
+  double mean() const { return sum / count; }
+  double variance() const { return (squares / count - mean() * mean()) / count; }
+};
+
+// The walks (eight at once, guided, channels and strategies mixed) against the plainest ones: one at a time,
+// one channel at a time, isotropic, distances by the standard library's logarithm. In a ball of five mean
+// free paths of red, where guiding, the far side and the sheet's search all matter.
+TEST(Subsurface, WalksEqualAnalogOnes) {
+  const auto scene = build_scene(sphere_model(2, 48, constant_set(subsurface_material({0.9f, 0.6f, 0.3f}))));
+  SurfaceTexel texel;
+  texel.albedo = {0.9f, 0.6f, 0.3f};
+  texel.sss = 0.5f;
+  const WalkMedium medium(texel);
+  const Hit entry{scene->opaque_count / 3, 0.3f, 0.3f, 0};
+  const SurfacePoint point = surface_at(*scene, entry, geometric_normal(*scene, entry.triangle));
+  const Frame frame(point.ng);
+  Random random(7, 0, 0);
+  // By channel: what comes out, and where (height along the entry's normal).
+  Estimate guided[3], guided_height[3], analog[3], analog_height[3];
+  RayCounts counts;
+  for (int round = 0; round < 400; ++round) {
+    std::vector<Walk> walks;
+    for (int k = 0; k < 100; ++k) {
+      const float u = random.next();
+      const Vec3f inwards = -frame.to_world(sample_cosine_hemisphere(u, random.next()));
+      walks.push_back({point.position, point.ng, point.ng, inwards, entry.triangle, &medium,
+                       Random(9, static_cast<uint64_t>(round), static_cast<uint64_t>(k))});
+    }
+    walk_under_surface<false>(*scene, walks, counts);
+    for (const Walk& walk : walks)
+      for (int c = 0; c < 3; ++c) {
+        const double weight = walk.is_out ? walk.exit.weight[c] : 0.0;
+        guided[c].add(weight);
+        guided_height[c].add(walk.is_out ? weight * dot(position_at(*scene, walk.exit.hit), point.ng) : 0);
+      }
+  }
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < 40000; ++i) {
+      const float u = random.next();
+      Ray ray{point.position - 1e-5f * point.ng, -frame.to_world(sample_cosine_hemisphere(u, random.next()))};
+      double weight = medium.medium.entry_weight[c];
+      Hit hit;
+      bool is_out = false;
+      for (int segment = 0; segment < cycles::kMaxWalkSegments && !is_out && weight > 1e-9; ++segment) {
+        const float t = -std::log(1 - random.next()) / medium.medium.sigma_t_per_cm[c];
+        is_out = intersect_bvh(scene->opaque, 0, ray, 0, t, hit);
+        if (is_out) break;
+        weight *= medium.medium.albedo[c];
+        ray.origin += t * ray.direction;
+        const float z = 2 * random.next() - 1, sine = std::sqrt(std::max(0.0f, 1 - z * z));
+        const SineCosine phi = sine_cosine_of_turns(random.next());
+        ray.direction = {sine * phi.cosine, sine * phi.sine, z};
+      }
+      analog[c].add(is_out ? weight : 0);
+      analog_height[c].add(is_out ? weight * dot(position_at(*scene, hit), point.ng) : 0);
+    }
+  // Six comparisons at four standard errors: one false alarm in 2600 seeds.
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_NEAR(guided[c].mean(), analog[c].mean(),
+                4 * std::sqrt(guided[c].variance() + analog[c].variance()))
+        << c;
+    EXPECT_NEAR(guided_height[c].mean(), analog_height[c].mean(),
+                4 * std::sqrt(guided_height[c].variance() + analog_height[c].variance()))
+        << c;
+    EXPECT_LT(std::sqrt(guided[c].variance()), 0.01 * guided[c].mean());
+  }
+  EXPECT_EQ(counts.walks, 40000u);
 }
 
 TEST(Subsurface, SwitchedOffItIsDiffuse) {
