@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+
+#include "renderer/sampling.h"
 
 namespace ohb {
 namespace {
 
-constexpr int kBlock_px = 4;
+constexpr int kPool_px = 2;  // the neighbours on each side that a pixel's noise is told from
 constexpr double kLeastShare = 0.25, kMostShare = 16;
+constexpr double kOwnLog2 = 0.1;
 
 /// Variance of the pilots' mean radiance at one pixel, relative to the lights' mean squares.
 double variance_at(const std::vector<std::vector<SampleLight>>& pilots,
@@ -36,16 +40,18 @@ std::vector<double> mean_squares_of(const std::vector<std::vector<SampleLight>>&
   return squares;
 }
 
-/// Sums over blocks of pixels and, in `pooled`, over each block and its neighbours.
-struct Blocks {
-  int across;
-  std::vector<double> variance, work, pixels;
-  double pooled_share(int bx, int by) const {
+/// What the pilots say of each pixel.
+struct Noise {
+  int size_px;
+  std::vector<double> variance, work;
+  /// The root of variance over work about one pixel; neighbours count less the farther they are.
+  double pooled_share(int x0, int y0) const {
     double v = 0, w = 0;
-    for (int y = std::max(0, by - 1); y <= std::min(across - 1, by + 1); ++y)
-      for (int x = std::max(0, bx - 1); x <= std::min(across - 1, bx + 1); ++x) {
-        v += variance[static_cast<size_t>(y) * across + x];
-        w += work[static_cast<size_t>(y) * across + x];
+    for (int y = std::max(0, y0 - kPool_px); y <= std::min(size_px - 1, y0 + kPool_px); ++y)
+      for (int x = std::max(0, x0 - kPool_px); x <= std::min(size_px - 1, x0 + kPool_px); ++x) {
+        const double weight = std::exp(-0.5 * ((x - x0) * (x - x0) + (y - y0) * (y - y0)));
+        v += weight * variance[static_cast<size_t>(y) * size_px + x];
+        w += weight * work[static_cast<size_t>(y) * size_px + x];
       }
     return w > 0 ? std::sqrt(v / w) : 0;
   }
@@ -56,25 +62,22 @@ struct Blocks {
 std::vector<uint32_t> adaptive_budget(const Pilots& pilots, const std::vector<uint8_t>& seen, int size_px,
                                       double mean_spp) {
   const std::vector<double> mean_squares = mean_squares_of(pilots.images);
-  Blocks blocks{(size_px + kBlock_px - 1) / kBlock_px, {}, {}, {}};
-  blocks.variance.assign(static_cast<size_t>(blocks.across) * blocks.across, 0);
-  blocks.work = blocks.pixels = blocks.variance;
+  Noise noise{size_px, std::vector<double>(seen.size(), 0), std::vector<double>(seen.size(), 0)};
+  double pixels = 0;
   for (int y = 0; y < size_px; ++y)
     for (int x = 0; x < size_px; ++x) {
-      if (!seen[static_cast<size_t>(y) * size_px + x]) continue;
-      const size_t block = static_cast<size_t>(y / kBlock_px) * blocks.across + x / kBlock_px;
-      blocks.variance[block] += variance_at(pilots.images, mean_squares, x, y);
-      blocks.work[block] += pilots.work.empty() ? 1 : pilots.work[static_cast<size_t>(y) * size_px + x];
-      blocks.pixels[block] += 1;
+      const size_t i = static_cast<size_t>(y) * size_px + x;
+      if (!seen[i]) continue;
+      noise.variance[i] = variance_at(pilots.images, mean_squares, x, y);
+      noise.work[i] = pilots.work.empty() ? 1 : pilots.work[i];
+      pixels += 1;
     }
-  std::vector<double> share(blocks.variance.size());
-  double sum = 0, pixels = 0;
-  for (int by = 0; by < blocks.across; ++by)
-    for (int bx = 0; bx < blocks.across; ++bx) {
-      const size_t block = static_cast<size_t>(by) * blocks.across + bx;
-      share[block] = blocks.pooled_share(bx, by);
-      sum += share[block] * blocks.pixels[block];
-      pixels += blocks.pixels[block];
+  std::vector<double> share(seen.size(), 0);
+  double sum = 0;
+  for (int y = 0; y < size_px; ++y)
+    for (int x = 0; x < size_px; ++x) {
+      const size_t i = static_cast<size_t>(y) * size_px + x;
+      if (seen[i]) sum += share[i] = noise.pooled_share(x, y);
     }
   if (!(sum > 0)) std::fill(share.begin(), share.end(), 1.0), sum = pixels;
   // The limits take from some what others have too much of: a few rounds settle the sum.
@@ -82,18 +85,38 @@ std::vector<uint32_t> adaptive_budget(const Pilots& pilots, const std::vector<ui
   const auto limited = [&](double v) { return std::clamp(v * scale, kLeastShare, kMostShare); };
   for (int round = 0; round < 8; ++round) {
     double total = 0;
-    for (size_t b = 0; b < share.size(); ++b) total += limited(share[b]) * blocks.pixels[b];
+    for (size_t i = 0; i < share.size(); ++i) total += seen[i] ? limited(share[i]) : 0;
     scale *= pixels / total;
   }
   std::vector<uint32_t> budget(seen.size(), 0);
-  for (int y = 0; y < size_px; ++y)
-    for (int x = 0; x < size_px; ++x) {
-      const size_t i = static_cast<size_t>(y) * size_px + x;
-      const double wanted =
-          mean_spp * limited(share[static_cast<size_t>(y / kBlock_px) * blocks.across + x / kBlock_px]);
-      if (seen[i]) budget[i] = static_cast<uint32_t>(std::max(1.0, std::round(wanted)));
-    }
+  for (size_t i = 0; i < seen.size(); ++i)
+    if (seen[i]) budget[i] = static_cast<uint32_t>(std::max(1.0, std::round(mean_spp * limited(share[i]))));
   return budget;
+}
+
+std::vector<uint32_t> powers_of_two(const std::vector<uint32_t>& budget) {
+  const auto sum_of = [](const std::vector<uint32_t>& paths) {
+    return std::accumulate(paths.begin(), paths.end(), uint64_t{0});
+  };
+  const uint64_t wanted = sum_of(budget);
+  // The largest of the scales that keep the sum. Equal budgets must not all jump at once: each has a little
+  // of its own.
+  std::vector<uint32_t> best(budget.size(), 0);
+  double low = -1, high = 1;
+  for (int step = 0; step < 16; ++step) {
+    const double scale = 0.5 * (low + high);
+    std::vector<uint32_t> rounded(budget.size(), 0);
+    for (size_t i = 0; i < budget.size(); ++i) {
+      if (budget[i] == 0) continue;
+      const double own = kOwnLog2 * (static_cast<double>(mix_bits(i) >> 11) * 0x1p-53 - 0.5);
+      rounded[i] =
+          1u << static_cast<int>(std::clamp(std::round(std::log2(budget[i]) + own + scale), 0.0, 31.0));
+    }
+    const bool fits = sum_of(rounded) <= wanted;
+    (fits ? low : high) = scale;
+    if (fits) best = std::move(rounded);
+  }
+  return sum_of(best) > 0 ? best : budget;
 }
 
 }  // namespace ohb

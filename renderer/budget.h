@@ -16,10 +16,14 @@ struct Pilots {
 
 /// Paths of each pixel of a square image so that the sum is about mean_spp times the seen pixels and the mean
 /// squared error is least for the work: in proportion to the standard deviation of one path over the root of
-/// its cost (Neyman 1934, with costs), which the pilots estimate, pooled over blocks of 4 x 4 pixels and
-/// their eight neighbours. Several lights count by their relative variance. No seen pixel gets less than a
+/// its cost (Neyman 1934, with costs), which the pilots estimate, pooled over the pixel and its neighbours (a
+/// Gaussian of one pixel). Several lights count by their relative variance. No seen pixel gets less than a
 /// quarter of the mean: a pilot may have missed what is rare. `seen` as of footprint().
 std::vector<uint32_t> adaptive_budget(const Pilots& pilots, const std::vector<uint8_t>& seen, int size_px,
                                       double mean_spp);
+
+/// Budgets of a like sum (never more), each a power of two: Sobol points are even at these numbers, and 45 of
+/// them may err more than 32.
+std::vector<uint32_t> powers_of_two(const std::vector<uint32_t>& budget);
 
 }  // namespace ohb

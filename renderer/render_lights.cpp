@@ -20,8 +20,8 @@ std::vector<SampleLight> render_adaptively(const Picture& picture, RenderStatist
   const RenderSettings& settings = picture.settings;
   const int pilot_spp = settings.spp / (kPilotShare * kPilots);
   const Pilots pilots = render_pilots(picture, kPilots, pilot_spp, statistics, nullptr);
-  const std::vector<uint32_t> budget =
-      adaptive_budget(pilots, picture.seen, settings.size_px, settings.spp - kPilots * pilot_spp);
+  const std::vector<uint32_t> budget = powers_of_two(
+      adaptive_budget(pilots, picture.seen, settings.size_px, settings.spp - kPilots * pilot_spp));
   std::vector<SampleLight> images = render_round(picture, {settings.seed, budget}, statistics, done);
   for (size_t l = 0; l < images.size(); ++l) {
     std::vector<float>& values = images[l].radiance.values;

@@ -61,6 +61,28 @@ TEST(AdaptiveBudget, NobodyStarves) {
     ASSERT_EQ(paths, 64u);
 }
 
+TEST(PowersOfTwo, KeepTheSumAndStayWithinAFactor) {
+  Random random(5, 0, 0);
+  for (const double spread : {0.0, 0.3, 3.0}) {
+    std::vector<uint32_t> budget(5000, 0);
+    uint64_t wanted = 0, got = 0;
+    for (size_t i = 0; i < budget.size(); i += 2)
+      wanted += budget[i] = static_cast<uint32_t>(56 * std::exp2(spread * (random.next() - 0.5)));
+    const std::vector<uint32_t> rounded = powers_of_two(budget);
+    for (size_t i = 0; i < budget.size(); ++i) {
+      got += rounded[i];
+      ASSERT_EQ(rounded[i] & (rounded[i] - 1), 0u) << "also where nothing is asked for";
+      ASSERT_EQ(rounded[i] > 0, budget[i] > 0);
+      if (budget[i] > 0) {
+        ASSERT_NEAR(std::log2(rounded[i]), std::log2(budget[i]), 1.1);
+      }
+    }
+    EXPECT_LE(got, wanted);
+    EXPECT_GT(static_cast<double>(got), 0.98 * static_cast<double>(wanted)) << spread;
+  }
+  EXPECT_EQ(powers_of_two({1, 0, 1}), (std::vector<uint32_t>{1, 0, 1}));
+}
+
 struct Fixture {
   Model model;
   std::shared_ptr<const Scene> scene;
