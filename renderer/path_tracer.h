@@ -21,7 +21,8 @@ constexpr float kCandidatesWorth = 3;  // in directions of the BSDF's own, measu
 constexpr int kRoughGroups = 4, kNarrowGroups = 2, kWalkGroups = 2;  // of candidates
 constexpr int kPicks = 2;                                            // shadow rays to each of them
 constexpr int kRoughReflections = 3, kNarrowReflections = 4, kWalkReflections = 4;
-constexpr int kWalks = 12;
+constexpr int kRoughReflectionsOfMany = 2;
+constexpr int kWalks = 12, kLeastWalks = 8;
 constexpr int kRouletteFromBounce = 2;  // Cycles: the continuation test starts at the third surface
 
 /// Point k of a lattice of n that is shifted by u.
@@ -139,7 +140,8 @@ struct Split {
     split.groups = std::max(1, split.groups / shared);
     split.picks = environments <= 1 ? kPicks : 1;
     split.reflections = walks_under ? kWalkReflections : is_rough ? kRoughReflections : kNarrowReflections;
-    split.walks = std::max(4, kWalks / shared);
+    if (is_rough && !walks_under && environments > 3) split.reflections = kRoughReflectionsOfMany;
+    split.walks = std::max(kLeastWalks, kWalks / shared);
     split.worth *= static_cast<float>(split.groups * split.picks) / static_cast<float>(split.reflections);
     return split;
   }
