@@ -18,7 +18,7 @@ constexpr uint64_t kStreamSeeds = 0x73747265616dull;
 constexpr double kFirstShare = 0.25, kGrowth = 1.12;  // of the forecast; from round to round
 // Before the first look at the error: fewer tell it so badly that images stop by luck, and report less error
 // than they have (a sixth less of a lamp's highlights at a goal that a dozen paths reach).
-constexpr double kFirstLookSpp = 16;
+constexpr double kFirstLookSpp = 10;
 constexpr double kBudgetScale = 4096;  // adaptive_budget rounds to whole paths
 constexpr double kLeastFactor = 1.0 / 16;
 

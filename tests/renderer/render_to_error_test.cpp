@@ -107,13 +107,12 @@ TEST(RenderToError, KeepsItsPromise) {
   const auto truth = fixture.truth(1 << 13);
   constexpr int kSeeds = 8;
   for (const double goal : {0.1, 0.03}) {
-    double real[2] = {}, reported[2] = {}, worst = 0, spp = 0;
+    double real[2] = {}, reported[2] = {}, worst = 0;
     for (uint64_t k = 0; k < kSeeds; ++k) {
       ErrorReport report;
       const auto images = fixture.render(5 + k, {goal, 1 << 14}, report);
       EXPECT_TRUE(report.met);
       worst += report.worst()->relative_error / kSeeds;
-      spp += report.spp / kSeeds;
       for (size_t l = 0; l < 2; ++l) {
         ASSERT_EQ(report.errors[3 * l].region, "subject");
         real[l] += std::pow(relative_error(images[l].radiance, truth[l].radiance), 2) / kSeeds;
@@ -124,9 +123,7 @@ TEST(RenderToError, KeepsItsPromise) {
       EXPECT_LT(std::sqrt(real[l]), 1.1 * goal) << truth[l].name;
       EXPECT_NEAR(std::sqrt(reported[l] / real[l]), 1, 0.15) << truth[l].name << " " << goal;
     }
-    // Pilots, and 16 paths for the first look, are made in any case.
-    EXPECT_TRUE(worst > 0.8 * goal || spp < 26)
-        << "paths beyond what was asked for: " << worst << " with " << spp;
+    EXPECT_GT(worst, 0.8 * goal) << "paths beyond what was asked for";
   }
 }
 
