@@ -76,7 +76,7 @@ PilotStack render_pilot_stack(const Picture& picture, const std::vector<size_t>&
   for (const size_t pixel : pixels) budget[pixel] = static_cast<uint32_t>(spp);
   PilotStack stack;
   for (int k = 0; k < images; ++k) {
-    const uint64_t seed = mix_bits(picture.settings.seed ^ (kPairSeeds + static_cast<uint64_t>(k)));
+    const uint64_t seed = mix_bits(mix_bits(picture.settings.seed) ^ (kPairSeeds + static_cast<uint64_t>(k)));
     stack.emplace_back();
     for (const SampleLight& light : render_round(picture, {seed, budget}, statistics, done)) {
       stack.back().emplace_back();

@@ -40,8 +40,8 @@ struct RenderSettings {
   /// directions. Unbiased but for highlights from below the smooth surface (bsdf.h); for previews and kAuto.
   bool ends_at_rough_surfaces = false;
   /// spp becomes the mean over the pixels that see something, spent where the noise is: least mean squared
-  /// error for the work. Unbiased: an eighth of it goes into pilot images, which enter the picture with a
-  /// fixed weight. From 32 on.
+  /// error for the work. Unbiased: an eighth of the paths are made first, and how many more a pixel gets is
+  /// told from its neighbours' alone (continued_budget() in budget.h). From 16 on.
   bool adaptive = false;
   ShadingModel shading = ShadingModel::kV1;
   bool subsurface = true;  // false: skin reflects diffusely instead

@@ -7,30 +7,47 @@
 namespace ohb {
 namespace {
 
-// Pilots take an eighth of the work; with fewer paths than these they would tell nothing.
-constexpr int kPilots = 4, kPilotShare = 8, kLeastAdaptiveSpp = 32;
-// Of their mean in the picture: about what is best for an eighth of the paths, unstratified. Any number is
-// unbiased that does not depend on them.
-constexpr float kPilotWeight = 1.0f / 16;
+// A pixel's first paths tell how noisy its neighbours are: an eighth of the mean, in as many parts.
+constexpr uint32_t kParts = 4, kBegunShare = 8;
+constexpr int kLeastAdaptiveSpp = 16;
 
-/// Budgets where pilots find the noise. What they cost the picture is given back in part: whatever budget
-/// they lead to, the picture's mean is the same, so a fixed mixture of both is unbiased.
+/// `mean` of `paths` paths a pixel, and another of `more` paths, which may be 0 in some.
+void add_mean(std::vector<SampleLight>& mean, const std::vector<uint32_t>& paths,
+              const std::vector<SampleLight>& other, const std::vector<uint32_t>& more) {
+  for (size_t l = 0; l < mean.size(); ++l)
+    for (size_t i = 0; i < mean[l].radiance.values.size(); ++i) {
+      if (more[i / 3] == 0) continue;
+      const float share = static_cast<float>(more[i / 3]) / static_cast<float>(paths[i / 3] + more[i / 3]);
+      float& value = mean[l].radiance.values[i];
+      value += share * (other[l].radiance.values[i] - value);
+    }
+}
+
+/// Budgets where the first paths find the noise: in the neighbours, so that no pixel's own paths decide how
+/// many it gets.
 std::vector<SampleLight> render_adaptively(const Picture& picture, RenderStatistics& statistics,
                                            const PixelsDone& done) {
   const RenderSettings& settings = picture.settings;
-  const int pilot_spp = settings.spp / (kPilotShare * kPilots);
-  const Pilots pilots = render_pilots(picture, kPilots, pilot_spp, statistics, nullptr);
-  const std::vector<uint32_t> budget = powers_of_two(
-      adaptive_budget(pilots, picture.seen, settings.size_px, settings.spp - kPilots * pilot_spp));
-  std::vector<SampleLight> images = render_round(picture, {settings.seed, budget}, statistics, done);
-  for (size_t l = 0; l < images.size(); ++l) {
-    std::vector<float>& values = images[l].radiance.values;
-    for (size_t i = 0; i < values.size(); ++i) {
-      float sum = 0;
-      for (const std::vector<SampleLight>& pilot : pilots.images) sum += pilot[l].radiance.values[i];
-      values[i] += kPilotWeight * (sum / kPilots - values[i]);
-    }
+  uint32_t part_spp = 1;
+  while (2 * part_spp * kParts * kBegunShare <= static_cast<uint32_t>(settings.spp)) part_spp *= 2;
+  const std::vector<uint32_t> part = picture.even_budget(static_cast<int>(part_spp));
+  std::vector<uint32_t> made(part.size(), 0);
+  Pilots begun;
+  begun.work.assign(part.size(), 0);
+  std::vector<SampleLight> images;
+  for (uint32_t k = 0; k < kParts; ++k) {
+    begun.images.push_back(
+        render_round(picture, {settings.seed, part, &made, true}, statistics, nullptr, &begun.work));
+    if (k == 0)
+      images = begun.images[0];
+    else
+      add_mean(images, made, begun.images[k], part);
+    for (size_t i = 0; i < made.size(); ++i) made[i] += part[i];
   }
+  std::vector<uint32_t> more =
+      continued_budget(begun, kParts * part_spp, picture.seen, settings.size_px, settings.spp);
+  for (size_t i = 0; i < more.size(); ++i) more[i] -= made[i];
+  add_mean(images, made, render_round(picture, {settings.seed, more, &made}, statistics, done), more);
   return images;
 }
 

@@ -201,7 +201,8 @@ class ErrorRender {
   }
 
   void grow(int k, const std::vector<uint32_t>& first, const std::vector<uint32_t>& count) {
-    const uint64_t seed = mix_bits(picture_.settings.seed ^ (kStreamSeeds + static_cast<uint64_t>(k)));
+    const uint64_t seed =
+        mix_bits(mix_bits(picture_.settings.seed) ^ (kStreamSeeds + static_cast<uint64_t>(k)));
     std::vector<SampleLight> round = render_round(picture_, {seed, count, &first}, statistics_, done_);
     std::vector<SampleLight>& mean = streams_[static_cast<size_t>(k)];
     if (mean.empty()) {

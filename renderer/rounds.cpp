@@ -25,14 +25,16 @@ constexpr uint64_t kPilotSeeds = 0x70696c6f74ull, kPoolSeeds = 0x706f6f6cull;
 struct PoolBlock {
   uint32_t first, end;
   int log2;  // 2^log2 candidates
-  static PoolBlock of(uint32_t sample) {
-    if (sample == 0) return {0, 1, kPoolLog2};
-    if (sample >= kLargest) return {sample & ~(kLargest - 1), (sample | (kLargest - 1)) + 1, kPoolLog2 + 6};
+  static PoolBlock of(uint32_t sample, size_t environments) {
+    // What a path's own question to one of many environments takes is less.
+    const int log2 = environments <= 1 ? kPoolLog2 : kPoolLog2OfMany;
+    if (sample == 0) return {0, 1, log2};
+    if (sample >= kLargest) return {sample & ~(kLargest - 1), (sample | (kLargest - 1)) + 1, log2 + 6};
     const int bits = 31 - __builtin_clz(sample);
-    return {1u << bits, 2u << bits, kPoolLog2 + bits};
+    return {1u << bits, 2u << bits, log2 + bits};
   }
   static constexpr uint32_t kLargest = 64;
-  static constexpr int kPoolLog2 = 5;  // candidates a sample: a tile of 256 pixels asks for some 2500
+  static constexpr int kPoolLog2 = 5, kPoolLog2OfMany = 4;  // candidates a sample, measured
 };
 
 /// Pixels of one tile: aligned to the image, so that a crop does not change who shares a pool.
@@ -68,13 +70,16 @@ Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& 
     if (first < last) next = std::min(next, first), end = std::max(end, last);
   });
   while (next < end) {
-    const PoolBlock block = PoolBlock::of(next);
+    const PoolBlock block = PoolBlock::of(next, picture.context.lights.environments.size());
     tile.pools.resize(picture.context.lights.environments.size());
-    for (size_t l = 0; l < tile.pools.size(); ++l)
-      tile.pools[l].fill(picture.context.lights.environments[l], picture.context.turn_rad,
-                         (block.log2 + 1) / 2, block.log2 / 2,
-                         mix_bits(mix_bits(paths.seed ^ kPoolSeeds) + box.number) + block.first);
-    each_pixel([&](int x, int y, Vec3f* sum) {
+    const auto fill_pools = [&](int of) {
+      const uint64_t key = mix_bits(paths.seed ^ (kPoolSeeds + (static_cast<uint64_t>(of) << 32)));
+      for (size_t l = 0; l < tile.pools.size(); ++l)
+        tile.pools[l].fill(picture.context.lights.environments[l], picture.context.turn_rad,
+                           std::max(3, (block.log2 + 1) / 2), std::min(block.log2 / 2, block.log2 - 3),
+                           mix_bits(key + box.number) + block.first);
+    };
+    const auto begin_paths = [&](int x, int y, Vec3f* sum) {
       const auto [first, last] = range_of(x, y);
       const uint64_t pixel = static_cast<uint64_t>(y) * picture.settings.size_px + x;
       const uint64_t rays_before = tile.rays.total();
@@ -92,7 +97,14 @@ Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& 
         trace_paths<kCutouts, Bsdf>(picture.context, tile, sum);
       }
       if (work) (*work)[pixel] += static_cast<float>(tile.rays.total() - rays_before);
-    });
+    };
+    const int classes = paths.by_class ? kPixelClasses : 1;
+    for (int of = 0; of < classes; ++of) {
+      fill_pools(of);
+      each_pixel([&](int x, int y, Vec3f* sum) {
+        if (!paths.by_class || pixel_class(x, y) == of) begin_paths(x, y, sum);
+      });
+    }
     next = block.end;
   }
   each_pixel([&](int x, int y, const Vec3f* sum) {
@@ -208,7 +220,8 @@ Pilots render_pilots(const Picture& picture, int images, int spp, RenderStatisti
   Pilots pilots;
   pilots.work.assign(budget.size(), 0);
   for (int k = 0; k < images; ++k) {
-    const uint64_t seed = mix_bits(picture.settings.seed ^ (kPilotSeeds + static_cast<uint64_t>(k)));
+    const uint64_t seed =
+        mix_bits(mix_bits(picture.settings.seed) ^ (kPilotSeeds + static_cast<uint64_t>(k)));
     pilots.images.push_back(render_round(picture, {seed, budget}, statistics, done, &pilots.work));
   }
   return pilots;

@@ -29,6 +29,7 @@ struct PathRange {
   uint64_t seed = 1;
   const std::vector<uint32_t>& count;
   const std::vector<uint32_t>* first = nullptr;  // null: 0
+  bool by_class = false;                         // pixels of different pixel_class() share no random numbers
 };
 
 /// Mean radiance of each pixel's paths; a pixel of count 0, or outside the box, stays black. If `work` is set

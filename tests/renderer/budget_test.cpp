@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "renderer/render.h"
+#include "renderer/rounds.h"
 #include "renderer/sampling.h"
 #include "tests/support/test_models.h"
 
@@ -59,6 +60,57 @@ TEST(AdaptiveBudget, NobodyStarves) {
   const auto silent = noisy_pilots(kSize, [](int, int) { return 0.0f; });
   for (const uint32_t paths : adaptive_budget(silent, std::vector<uint8_t>(kSize * kSize, 1), kSize, 64))
     ASSERT_EQ(paths, 64u);
+}
+
+TEST(ContinuedBudget, FollowsTheNoiseInPowersOfTwoAboveWhatIsMade) {
+  constexpr int kSize = 64;
+  const auto begun = noisy_pilots(
+      kSize, [](int x, int) { return 0.02f * std::exp2(static_cast<float>(x) / 16); });  // of 1 to 16
+  std::vector<uint8_t> seen(kSize * kSize, 1);
+  for (int i = 0; i < 10 * kSize; ++i) seen[static_cast<size_t>(i)] = 0;
+  const std::vector<uint32_t> budget = continued_budget(begun, 8, seen, kSize, 64);
+  double sum = 0, n = 0, xs = 0, ys = 0, xx = 0, xy = 0;  // of a line through log2(paths) over x
+  for (int y = 0; y < kSize; ++y)
+    for (int x = 0; x < kSize; ++x) {
+      const uint32_t paths = budget[static_cast<size_t>(y) * kSize + x];
+      ASSERT_EQ(paths >= 8, y >= 10);
+      ASSERT_EQ(paths & (paths - 1), 0u);
+      sum += paths;
+      if (y < 12 || x < 16 || x > 60) continue;  // without the least budgets and the borders
+      const double log2 = std::log2(paths);
+      n += 1, xs += x, ys += log2, xx += x * x, xy += x * log2;
+    }
+  EXPECT_LE(sum, 64.0 * kSize * (kSize - 10));
+  EXPECT_GT(sum, 0.97 * 64.0 * kSize * (kSize - 10));
+  // n in proportion to the variance to 1 / (1 + 1.3), as squared errors of n^-1.3 want it.
+  EXPECT_NEAR((n * xy - xs * ys) / (n * xx - xs * xs) * 16, 2 / 2.3, 0.08);
+}
+
+TEST(ContinuedBudget, NoPixelDecidesItsOwn) {
+  constexpr int kSize = 32;
+  const auto deviation = [](int x, int y) { return 0.05f * static_cast<float>(1 + (x / 3 + y / 5) % 7); };
+  const std::vector<uint8_t> seen(kSize * kSize, 1);
+  const auto before = noisy_pilots(kSize, deviation);
+  const std::vector<uint32_t> budget = continued_budget(before, 8, seen, kSize, 64);
+  for (int of = 0; of < kPixelClasses; ++of) {
+    Pilots changed = before;
+    Random random(9, 9, 9);
+    for (std::vector<SampleLight>& image : changed.images)
+      for (int y = 0; y < kSize; ++y)
+        for (int x = 0; x < kSize; ++x)
+          if (pixel_class(x, y) == of) image[0].radiance.pixel(x, y)[1] *= 40 * random.next();
+    const std::vector<uint32_t> other = continued_budget(changed, 8, seen, kSize, 64);
+    int differ = 0;
+    for (int y = 0; y < kSize; ++y)
+      for (int x = 0; x < kSize; ++x) {
+        const size_t i = static_cast<size_t>(y) * kSize + x;
+        if (pixel_class(x, y) == of)
+          ASSERT_EQ(other[i], budget[i]);
+        else
+          differ += other[i] != budget[i];
+      }
+    EXPECT_GT(differ, 100) << "the neighbours do";
+  }
 }
 
 TEST(PowersOfTwo, KeepTheSumAndStayWithinAFactor) {
@@ -133,6 +185,41 @@ TEST(AdaptiveBudget, IsUnbiased) {
   EXPECT_NEAR(means[1], means[0], 4.5 * error) << "false alarms: 7 in a million";
   EXPECT_LT(error / means[0], 0.002) << "the test can tell a bias of one per cent";
   EXPECT_NEAR(static_cast<double>(statistics[1].paths) / static_cast<double>(statistics[0].paths), 1, 0.02);
+}
+
+TEST(Pilots, OfNeighbouringSeedsShareNoImage) {
+  const Fixture fixture;
+  std::vector<std::vector<float>> images;
+  for (const uint64_t seed : {6, 7}) {
+    RenderSettings settings = fixture.settings;
+    settings.seed = seed;
+    const Picture picture(*fixture.scene, *fixture.lights, fit_camera(fixture.model.positions_cm), 0.3,
+                          settings);
+    RenderStatistics statistics;
+    for (const std::vector<SampleLight>& pilot : render_pilots(picture, 4, 1, statistics, nullptr).images)
+      images.push_back(pilot[0].radiance.values);
+  }
+  for (size_t a = 0; a < images.size(); ++a)
+    for (size_t b = 0; b < a; ++b) EXPECT_NE(images[a], images[b]) << a << " " << b;
+}
+
+TEST(PathRange, ClassesHaveLightCandidatesOfTheirOwn) {
+  const Fixture fixture;
+  const Picture picture(*fixture.scene, *fixture.lights, fit_camera(fixture.model.positions_cm), 0.3,
+                        fixture.settings);
+  const std::vector<uint32_t> two = picture.even_budget(2);
+  RenderStatistics statistics;
+  const auto shared = render_round(picture, {3, two}, statistics, nullptr);
+  const auto by_class = render_round(picture, {3, two, nullptr, true}, statistics, nullptr);
+  int lit[kPixelClasses] = {}, differ[kPixelClasses] = {};
+  for (int y = 0; y < fixture.settings.size_px; ++y)
+    for (int x = 0; x < fixture.settings.size_px; ++x) {
+      const float a = shared[0].radiance.pixel(x, y)[1], b = by_class[0].radiance.pixel(x, y)[1];
+      lit[pixel_class(x, y)] += a > 0;
+      differ[pixel_class(x, y)] += a != b;
+    }
+  EXPECT_EQ(differ[0], 0) << "the first class has those that all would share";
+  for (int of = 1; of < kPixelClasses; ++of) EXPECT_GT(differ[of], lit[of] / 2) << of;
 }
 
 TEST(AdaptiveBudget, SameBitsForAnyThreadCount) {
