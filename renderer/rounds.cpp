@@ -140,13 +140,24 @@ std::vector<SampleLight> black_images(const LightSet& lights, int size_px) {
   return images;
 }
 
-std::vector<TileBox> tiles_of(const PixelBox& box) {
+/// Those of most paths first: the last tiles to end are then short ones, and no thread waits long for
+/// another.
+std::vector<TileBox> tiles_of(const PixelBox& box, const std::vector<uint32_t>& paths, int size_px) {
   std::vector<TileBox> tiles;
   for (int y = box.y0 / kTile_px * kTile_px; y < box.y1; y += kTile_px)
     for (int x = box.x0 / kTile_px * kTile_px; x < box.x1; x += kTile_px)
       tiles.push_back({{std::max(x, box.x0), std::max(y, box.y0), std::min(x + kTile_px, box.x1),
                         std::min(y + kTile_px, box.y1)},
                        static_cast<uint64_t>(y) << 32 | static_cast<uint64_t>(x)});
+  const auto paths_in = [&](const PixelBox& px) {
+    uint64_t sum = 0;
+    for (int y = px.y0; y < px.y1; ++y)
+      for (int x = px.x0; x < px.x1; ++x) sum += paths[static_cast<size_t>(y) * size_px + x];
+    return sum;
+  };
+  std::stable_sort(tiles.begin(), tiles.end(), [&](const TileBox& a, const TileBox& b) {
+    return paths_in(a.pixels) > paths_in(b.pixels);
+  });
   return tiles;
 }
 
@@ -182,14 +193,16 @@ std::vector<SampleLight> render_round(const Picture& picture, const PathRange& p
   std::mutex record_mutex;
   std::atomic<uint64_t> path_count{0}, closest_hit{0}, shadow{0}, walks{0}, walk_segments{0}, leaks{0},
       nonfinite{0};
-  const std::vector<TileBox> tiles = tiles_of(picture.box);
-  parallel_for_each(0, static_cast<int>(tiles.size()), [&](int t) {
+  const std::vector<TileBox> tiles = tiles_of(picture.box, paths.count, picture.settings.size_px);
+  std::atomic<size_t> next{0};
+  parallel_for_each(0, static_cast<int>(tiles.size()), [&](int) {
+    const size_t t = next++;
     // Embree is slow on denormals; no radiance that small is visible.
     _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
     std::vector<RecordedRay> recorded;
     std::vector<RecordedRay>* record = statistics.record ? &recorded : nullptr;
-    const Tile tile = render_tile(picture, paths, tiles[static_cast<size_t>(t)], images, work, record);
+    const Tile tile = render_tile(picture, paths, tiles[t], images, work, record);
     if (record) {
       const std::lock_guard<std::mutex> lock(record_mutex);
       statistics.record->insert(statistics.record->end(), recorded.begin(), recorded.end());
@@ -201,7 +214,7 @@ std::vector<SampleLight> render_round(const Picture& picture, const PathRange& p
     walk_segments += tile.rays.walk_segments;
     leaks += tile.rays.walk_leaks;
     nonfinite += tile.nonfinite;
-    const PixelBox& px = tiles[static_cast<size_t>(t)].pixels;
+    const PixelBox& px = tiles[t].pixels;
     if (done) done(static_cast<size_t>(px.x1 - px.x0) * (px.y1 - px.y0));
   });
   statistics.paths += path_count;
