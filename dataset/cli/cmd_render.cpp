@@ -130,7 +130,7 @@ void add_render_command(CLI::App& app, Commands& commands) {
   command
       ->add_option(
           "--sampling", options->sampling,
-          "adaptive: --spp is the mean, more where the noise is (unbiased, from 32 on); even: all the same")
+          "adaptive: --spp is the mean, more where the noise is (unbiased, from 16 on); even: all the same")
       ->check(CLI::IsMember({"adaptive", "even"}))
       ->capture_default_str();
   command
