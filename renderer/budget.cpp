@@ -12,8 +12,8 @@ namespace {
 constexpr int kPool_px = 2;  // the neighbours on each side that a pixel's noise is told from
 constexpr double kLeastShare = 0.25, kMostShare = 16;
 constexpr double kOwnLog2 = 0.1;
-// With n Sobol points the squared error falls with n^1.3 here (measured), and n (variance / work)^(1 / 2.3)
-// is best.
+// The squared error of n Sobol points is about variance n^-1.3 here (measured), so n in proportion to
+// (variance / work)^(1 / 2.3) is best.
 constexpr double kSobolExponent = 1 / 2.3;
 
 /// Which pixels' noise counts: all, or all but those of one class.

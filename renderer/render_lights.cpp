@@ -7,7 +7,8 @@
 namespace ohb {
 namespace {
 
-// A pixel's first paths tell how noisy its neighbours are: an eighth of the mean, in as many parts.
+// A pixel's first paths tell how noisy its neighbours are: up to an eighth of the mean (a quarter below 32),
+// in equal parts.
 constexpr uint32_t kParts = 4, kBegunShare = 8;
 constexpr int kLeastAdaptiveSpp = 16;
 
