@@ -86,6 +86,23 @@ TEST(ContinuedBudget, FollowsTheNoiseInPowersOfTwoAboveWhatIsMade) {
   EXPECT_NEAR((n * xy - xs * ys) / (n * xx - xs * xs) * 16, 2 / 2.3, 0.08);
 }
 
+/// With few paths a quarter of them is made before, which nobody can go below: the sum may then rise a
+/// little.
+TEST(ContinuedBudget, KeepsTheSumWithFewPathsToo) {
+  constexpr int kSize = 64;
+  const std::vector<uint8_t> seen(kSize * kSize, 1);
+  for (const float contrast : {0.0f, 2.0f, 8.0f}) {
+    const auto begun = noisy_pilots(
+        kSize, [&](int x, int) { return 0.02f * std::exp2(contrast * static_cast<float>(x) / kSize); });
+    for (const int spp : {16, 20, 31, 33, 100, 1000}) {
+      const uint32_t made = spp < 64 ? 4 : spp < 128 ? 8 : 64;
+      const std::vector<uint32_t> budget = continued_budget(begun, made, seen, kSize, spp);
+      const double sum = std::accumulate(budget.begin(), budget.end(), 0.0);
+      EXPECT_NEAR(sum / (1.0 * spp * kSize * kSize), 1, 0.03) << contrast << " " << spp;
+    }
+  }
+}
+
 TEST(ContinuedBudget, NoPixelDecidesItsOwn) {
   constexpr int kSize = 32;
   const auto deviation = [](int x, int y) { return 0.05f * static_cast<float>(1 + (x / 3 + y / 5) % 7); };
