@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "renderer/cycles_model.h"
+#include "renderer/parallel.h"
 
 namespace ohb {
 namespace {
@@ -40,8 +41,9 @@ EnvironmentLight::EnvironmentLight(const Environment& environment)
       height_px_(environment.radiance.height_px) {
   const std::vector<float>& v = environment.radiance.values;
   texels_.resize(v.size() / 3);
+  columns_.resize(height_px_);
   std::vector<double> row_weights(height_px_);
-  for (int y = 0; y < height_px_; ++y) {
+  parallel_for_each(0, height_px_, [&](int y) {
     const double sine = std::sin(kPi * (y + 0.5) / height_px_);
     std::vector<double> weights(width_px_);
     for (int x = 0; x < width_px_; ++x) {
@@ -50,9 +52,9 @@ EnvironmentLight::EnvironmentLight(const Environment& environment)
       weights[x] = mean(texels_[i].radiance);
       texels_[i].density = static_cast<float>(weights[x] * sine);
     }
-    columns_.emplace_back(weights);
-    row_weights[y] = columns_.back().total() * sine;
-  }
+    columns_[y] = PiecewiseConstant(weights);
+    row_weights[y] = columns_[y].total() * sine;
+  });
   rows_ = PiecewiseConstant(row_weights);
   // Density per (u, v), then per solid angle: du dv = domega / (2 pi^2 sin theta).
   const double cells = static_cast<double>(width_px_) * height_px_;
@@ -131,8 +133,9 @@ void LightPool::fill(const EnvironmentLight& light, double turn_rad, int columns
   groups_.resize(static_cast<size_t>(groups) * rows);
   const Vec3f turn_x = turn_about_y({1, 0, 0}, -turn_rad), turn_z = turn_about_y({0, 0, 1}, -turn_rad);
   Random random(key, 0, 0);
-  for (int y = 0; y < rows; ++y)
-    for (int x = 0; x < columns; ++x) {
+  // Along the rows of the map: their tables are then still in the cache.
+  for (int x = 0; x < columns; ++x)
+    for (int y = 0; y < rows; ++y) {
       const float u1 = (static_cast<float>(x) + random.next()) / static_cast<float>(columns);
       const float u2 = (static_cast<float>(y) + random.next()) / static_cast<float>(rows);
       const LightSample sample = light.sample(u1, u2);
@@ -149,6 +152,7 @@ void LightPool::fill(const EnvironmentLight& light, double turn_rad, int columns
 std::shared_ptr<const LightSet> prepare_lights(const std::vector<Environment>& environments,
                                                const std::vector<PointLight>& points) {
   auto lights = std::make_shared<LightSet>();
+  lights->environments.reserve(environments.size());
   for (const Environment& environment : environments) lights->environments.emplace_back(environment);
   lights->points = points;
   return lights;

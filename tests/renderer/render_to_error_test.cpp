@@ -102,10 +102,11 @@ TEST(RenderToError, StoppingDoesNotBias) {
 
 TEST(RenderToError, KeepsItsPromise) {
   // The promise is about the expected squared error: the mean over seeds, here. Each image's estimate is of
-  // 3000 values.
+  // 3000 values. One in a hundred meets a bright path late and ends at twice the goal (and says so): 8 seeds
+  // with such a one miss it. Six times 32 others: 0.0305 of 0.033 at most.
   const Fixture fixture(32);
   const auto truth = fixture.truth(1 << 13);
-  constexpr int kSeeds = 8;
+  constexpr int kSeeds = 32;
   for (const double goal : {0.1, 0.03}) {
     double real[2] = {}, reported[2] = {}, worst = 0;
     for (uint64_t k = 0; k < kSeeds; ++k) {
