@@ -126,7 +126,7 @@ LightSample EnvironmentLight::sample(float u1, float u2) const {
 }
 
 void LightPool::fill(const EnvironmentLight& light, double turn_rad, int columns_log2, int rows_log2,
-                     uint64_t key) {
+                     uint64_t key, bool with_cells) {
   const int columns = 1 << columns_log2, rows = 1 << rows_log2;
   const int groups = columns / LightCandidates::kCount;  // a row
   columns_ = groups, rows_ = rows;
@@ -144,8 +144,8 @@ void LightPool::fill(const EnvironmentLight& light, double turn_rad, int columns
       // Members lie even along the columns, and along the rows by the golden section.
       const int k = x / groups, shift = static_cast<int>(fraction_of(kLatticeStep * k) * rows);
       const int row = (y - shift + rows) % rows;
-      groups_[static_cast<size_t>(row) * groups + x % groups].set(k, wi, sample.radiance,
-                                                                  shines ? sample.pdf : 0);
+      groups_[static_cast<size_t>(row) * groups + x % groups].set(
+          k, wi, sample.radiance, shines ? sample.pdf : 0, with_cells ? DirectionCells::of(wi) : 0);
     }
 }
 

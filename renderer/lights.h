@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "renderer/direction_cells.h"
 #include "renderer/render.h"
 #include "renderer/sampling.h"
 
@@ -92,12 +93,14 @@ struct alignas(32) LightCandidates {
   static constexpr int kCount = 8;
   float wi_x[kCount], wi_y[kCount], wi_z[kCount];
   float red[kCount], green[kCount], blue[kCount];
-  float pdf[kCount];  // in solid angle; 0: none
+  float pdf[kCount];     // in solid angle; 0: none
+  uint8_t cell[kCount];  // of DirectionCells, or 0
 
-  void set(int k, Vec3f wi, Vec3f radiance, float pdf_of_wi) {
+  void set(int k, Vec3f wi, Vec3f radiance, float pdf_of_wi, int cell_of_wi) {
     wi_x[k] = wi.x, wi_y[k] = wi.y, wi_z[k] = wi.z;
     red[k] = radiance.x, green[k] = radiance.y, blue[k] = radiance.z;
     pdf[k] = pdf_of_wi;
+    cell[k] = static_cast<uint8_t>(cell_of_wi);
   }
 };
 
@@ -107,15 +110,17 @@ struct alignas(32) LightCandidates {
 /// pool are correlated.
 class LightPool {
  public:
-  /// A grid of 2^columns_log2 (at least 8) x 2^rows_log2; `turn_rad` turns the subject. A function of its
-  /// arguments.
-  void fill(const EnvironmentLight& light, double turn_rad, int columns_log2, int rows_log2, uint64_t key);
+  /// A grid of 2^columns_log2 (at least 8) x 2^rows_log2; `turn_rad` turns the subject. `cell` of the
+  /// candidates is set if asked for. A function of its arguments.
+  void fill(const EnvironmentLight& light, double turn_rad, int columns_log2, int rows_log2, uint64_t key,
+            bool with_cells);
   /// The group that u in [0, 1)^2 falls in.
   const LightCandidates& at(Vec2f u) const {
     const int x = static_cast<int>(u.x * static_cast<float>(columns_)),
               y = static_cast<int>(u.y * static_cast<float>(rows_));
     return groups_[static_cast<size_t>(y * columns_ + x)];
   }
+  const std::vector<LightCandidates>& groups() const { return groups_; }
 
  private:
   std::vector<LightCandidates> groups_;

@@ -8,6 +8,7 @@
 
 #include <deque>
 
+#include "renderer/light_cache.h"
 #include "renderer/lights.h"
 #include "renderer/random_walk.h"
 #include "renderer/surface.h"
@@ -89,11 +90,14 @@ struct Tile {
   std::vector<LightPool> pools;       // one an environment
   std::vector<WaitingLight> waiting;  // of the pixel at work
   std::vector<PathState> next;        // rays of the pixel at work that are to be traced
+  std::vector<PathState> leaving;     // that are known to meet nothing
   std::vector<PathState> wave;        // that are at their surfaces
   std::vector<Arrival> arrivals;      // of `wave`
   std::vector<Walk> walks;            // that `wave` began
   std::vector<WalkingPath> walking;   // who makes them
   std::deque<WalkMedium> media;       // that they go through
+  Vec3f* radiance = nullptr;          // of the pixel at work, one a light
+  LightCache::Known known{};          // of the surface at work
   RayCounts rays;
   uint64_t paths = 0;
   uint64_t nonfinite = 0;
@@ -108,6 +112,8 @@ struct PathContext {
   int max_bounces;
   bool ends_at_rough_surfaces;
   bool subsurface;
+  const LightCache*
+      cache;  // instead of shadow rays to environments, and of bounces at rough surfaces; or null
 
   Vec3f to_world(Vec3f v) const { return {dot(v, turn_x), v.y, dot(v, turn_z)}; }
 };
@@ -147,11 +153,31 @@ struct Split {
   }
 };
 
+/// Those of eight directions that the cache does not know. What comes from free ones is added: it takes no
+/// ray.
+inline Mask8 add_known(const LightCandidates& candidates, const LightCache::Known& known, const Vec3f8& value,
+                       Mask8 shines, Vec3f& radiance, Tile& tile) {
+  constexpr int kCount = LightCandidates::kCount;
+  alignas(32) float free[kCount], unknown[kCount];
+  for (int k = 0; k < kCount; ++k) {
+    free[k] = known.free[candidates.cell[k]] ? 1.0f : 0.0f;
+    unknown[k] = known.maybe[candidates.cell[k]] ? 1.0f - free[k] : 0.0f;
+  }
+  const Float8 zero = 0;
+  const Mask8 is_free = shines && Float8(free, stdx::vector_aligned) > zero;
+  const auto mean_of_free = [&](Float8 v) {
+    return stdx::reduce(select(is_free, v, zero)) * (1.0f / kCount);
+  };
+  add({mean_of_free(value.x), mean_of_free(value.y), mean_of_free(value.z)}, radiance, tile);
+  return Float8(unknown, stdx::vector_aligned) > zero;
+}
+
 /// Shadow rays to some of the directions that environment `l` suggests, chosen by what each would bring if it
 /// is not shadowed (resampled importance sampling, Talbot et al. 2005, equation 6).
 template <class Bsdf>
 void sample_environment(const PathContext& c, size_t l, const SurfacePoint& point, const Bsdf& bsdf,
-                        Vec3f throughput, const LightNumbers& u, const Split& split, Tile& tile) {
+                        Vec3f throughput, const LightNumbers& u, const Split& split,
+                        const LightCache::Known* known, Tile& tile) {
   constexpr int kCount = LightCandidates::kCount;
   const LightCandidates& candidates = tile.pools[l].at({u.along.y, u.across});
   const auto eight = [](const float* values) { return Float8(values, stdx::vector_aligned); };
@@ -164,7 +190,9 @@ void sample_environment(const PathContext& c, size_t l, const SurfacePoint& poin
   const Vec3f8 value{throughput.x * f.value.x * light.x * scale, throughput.y * f.value.y * light.y * scale,
                      throughput.z * f.value.z * light.z * scale};
   const Float8 zero = 0;
-  const Float8 weight = select(pdf > zero, (value.x + value.y + value.z) * (1.0f / 3), zero);
+  Mask8 is_asked = pdf > zero;
+  if (known) is_asked = is_asked && add_known(candidates, *known, value, is_asked, tile.radiance[l], tile);
+  const Float8 weight = select(is_asked, (value.x + value.y + value.z) * (1.0f / 3), zero);
   alignas(32) float sums[kCount];
   float sum = 0;
   for (int k = 0; k < kCount; ++k) sums[k] = sum += weight[k];
@@ -188,12 +216,12 @@ void sample_environment(const PathContext& c, size_t l, const SurfacePoint& poin
 
 template <class Bsdf>
 void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, Vec3f throughput,
-                   const LightNumbers& u, const Split& split, Tile& tile) {
+                   const LightNumbers& u, const Split& split, const LightCache::Known* known, Tile& tile) {
   // One set of numbers for all lights: each light's image is unbiased by itself.
   const Vec3f share = throughput / static_cast<float>(split.groups);
   for (size_t l = 0; l < c.lights.environments.size(); ++l)
     for (int k = 0; k < split.groups; ++k)
-      sample_environment(c, l, point, bsdf, share, u.of(k, split.groups), split, tile);
+      sample_environment(c, l, point, bsdf, share, u.of(k, split.groups), split, known, tile);
   for (size_t i = 0; i < c.lights.points.size(); ++i) {
     const PointLight& light = c.lights.points[i];
     const Vec3f to_light = turn_about_y(light.position_cm, -c.turn_rad) - point.position;
@@ -246,10 +274,47 @@ inline bool bounce_off(const PathContext& c, const SurfacePoint& point, const Bs
   return true;
 }
 
+/// What the cache knows of a surface; null without one.
+inline const LightCache::Known* known_at(const PathContext& c, const SurfacePoint& point, Tile& tile) {
+  if (!c.cache) return nullptr;
+  tile.known = c.cache->known(corners_of(c.scene, point.hit));
+  return &tile.known;
+}
+
+/// A path that reflects goes on: to the environments at once where the cache knows that nothing stands
+/// between.
+inline void send_on(const LightCache::Known* known, const PathState& state, Tile& tile) {
+  if (known && known->free[DirectionCells::of(state.ray.direction)])
+    tile.leaving.push_back(state);
+  else
+    tile.next.push_back(state);
+}
+
 /// Whether a path ends at this surface, and leaves all to the lights' own directions.
 template <class Bsdf>
 bool ends_at(const PathContext& c, const PathState& state, const Bsdf& bsdf) {
-  return c.ends_at_rough_surfaces && state.bounce == c.max_bounces && bsdf.is_rough();
+  return (c.cache || (c.ends_at_rough_surfaces && state.bounce == c.max_bounces)) && bsdf.is_rough();
+}
+
+/// What other surfaces send to where a path ends, if the cache has it.
+template <class Bsdf>
+void add_from_surfaces(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, Vec3f throughput,
+                       float lobe, Vec2f u, Tile& tile) {
+  if (!c.cache) return;
+  const BsdfSample next = bsdf.sample(lobe, u.x, u.y);
+  if (next.enters || !(next.pdf > 0)) return;
+  throughput *= next.value / next.pdf;
+  const uint32_t* corners = corners_of(c.scene, point.hit);
+  const float weights[3] = {1 - point.hit.u - point.hit.v, point.hit.u, point.hit.v};
+  if (!next.is_diffuse) {
+    // A highlight shows what stands in its direction.
+    const int cell = DirectionCells::of(next.wi);
+    const float share = c.cache->blocked_share(corners, weights, point.is_back);
+    if (tile.known.free[cell] || !(share > 0)) return;
+    throughput *= (tile.known.maybe[cell] ? 0.5f : 1.0f) / share;
+  }
+  for (size_t l = 0; l < c.lights.size(); ++l)
+    add(throughput * c.cache->from_surfaces(corners, weights, point.is_back, l), tile.radiance[l], tile);
 }
 
 /// Walk k of n goes under the surface; where it comes out again is up to leave_walks().
@@ -271,8 +336,12 @@ void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, 
   PathSampler& sampler = *state.sampler;
   const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
   Split split = Split::of_first(c.lights.environments.size(), bsdf.is_rough(), walks_under);
-  if (ends_at(c, state, bsdf)) split = split.without_reflections();
-  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, tile);
+  const bool ends = ends_at(c, state, bsdf);
+  if (ends) split = split.without_reflections();
+  if (c.cache) split.picks = 1;
+  const LightCache::Known* known = known_at(c, point, tile);
+  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, known, tile);
+  if (ends) add_from_surfaces(c, point, bsdf, state.throughput, across_and_lobe.y, u, tile);
   const auto branch = [&](int k, int n) {
     PathState one = state;
     one.throughput *= 1 / static_cast<float>(n);
@@ -284,7 +353,7 @@ void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, 
     const float lobe = (static_cast<float>(k) + across_and_lobe.y) / static_cast<float>(split.reflections);
     const BsdfSample next = bsdf.sample(lobe, direction.x, direction.y);
     PathState one = branch(k, split.reflections);
-    if (!next.enters && bounce_off(c, point, next, split.worth, one)) tile.next.push_back(one);
+    if (!next.enters && bounce_off(c, point, next, split.worth, one)) send_on(known, one, tile);
   }
   if (!walks_under) return;
   const WalkMedium& medium = tile.media.emplace_back(point.texel);
@@ -314,7 +383,9 @@ void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile)
   const Vec2f along = random.next_pair(), across_and_lobe = random.next_pair(), u = random.next_pair();
   const bool ends = ends_at(c, state, bsdf);
   const Split split = ends ? Split().without_reflections() : Split();
-  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, tile);
+  const LightCache::Known* known = known_at(c, point, tile);
+  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, known, tile);
+  if (ends) add_from_surfaces(c, point, bsdf, state.throughput, across_and_lobe.y, u, tile);
   if (ends && !walks_under) return;
   const BsdfSample next = bsdf.sample(across_and_lobe.y, u.x, u.y);
   if (next.enters) {
@@ -323,7 +394,7 @@ void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile)
     begin_walk(point, bsdf, hit.triangle, tile.media.emplace_back(point.texel), WalkNumbers(random), 0, 1,
                state, tile);
   } else if (!ends && bounce_off(c, point, next, split.worth, state)) {
-    tile.next.push_back(state);
+    send_on(known, state, tile);
   }
 }
 

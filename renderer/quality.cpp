@@ -7,6 +7,7 @@
 #include <map>
 
 #include "renderer/coarser.h"
+#include "renderer/light_cache.h"
 #include "renderer/paired_pilots.h"
 #include "renderer/validation/stopwatch.h"
 
@@ -16,10 +17,12 @@ namespace {
 constexpr int kImages = 16, kFirstSpp = 1, kMostSpp = 16;
 constexpr size_t kPilotPixels = 1024;
 constexpr double kAttemptShare = 1.0 / 64;  // of the job's paths
+constexpr double kCacheShare = 1.0 / 2;     // its rays, of the job's paths: a tenth of the work
 constexpr int kLeastWidth_px = 64;
 constexpr double kAlpha = 0.02;  // two-sided: the upper end is a bound of 99 %
 // What earlier kinds may use up of the tolerance, so that later ones have a chance.
-constexpr double kEnvironmentPart = 0.6, kSubsurfacePart = 0.8, kBouncesPart = 0.95, kMapsPart = 1;
+constexpr double kEnvironmentPart = 0.6, kSubsurfacePart = 0.8, kShadowsPart = 0.95, kBouncesPart = 0.95,
+                 kMapsPart = 1;
 
 std::vector<Environment> limited(const std::vector<Environment>& environments, int width_px) {
   std::vector<Environment> result;
@@ -46,7 +49,7 @@ class Variants {
       largest_environment_px_ = std::max(largest_environment_px_, e.radiance.width_px);
   }
   PreparedScene of(const Needs& needs) {
-    PreparedScene prepared{needs, full_scene_, full_scene_, full_lights_, {}, 0, 1};
+    PreparedScene prepared{needs, full_scene_, full_scene_, full_lights_, nullptr, {}, 0, 1};
     if (needs.map_px < largest_map_px_) {
       if (map_px_ != needs.map_px) small_scene_ = build_scene(with_coarser_maps(model_, needs.map_px));
       map_px_ = needs.map_px;
@@ -57,6 +60,10 @@ class Variants {
         small_lights_ = prepare_lights(limited(environments_, needs.environment_px), points_);
       environment_px_ = needs.environment_px;
       prepared.lights = small_lights_;
+    }
+    if (!needs.shadow_rays) {
+      if (!visibility_) visibility_ = std::make_shared<const VisibilityCache>(*full_scene_);
+      prepared.visibility = visibility_;
     }
     return prepared;
   }
@@ -82,6 +89,7 @@ class Variants {
   const std::vector<Environment>& environments_;
   const std::vector<PointLight>& points_;
   std::shared_ptr<const Scene> full_scene_, small_scene_;
+  std::shared_ptr<const VisibilityCache> visibility_;
   std::shared_ptr<const LightSet> full_lights_, small_lights_, all_environments_;
   int largest_map_px_, largest_environment_px_ = 0;
   int map_px_ = 0, environment_px_ = 0;
@@ -109,16 +117,31 @@ class Choice {
         views_(views),
         job_views_(job_views),
         settings_(settings),
-        tolerance_(tolerance),
-        most_spp_(affordable_spp()) {}
+        tolerance_(tolerance) {
+    const PreparedScene all = variants_.of(Needs());
+    double attempt = 0;  // paths of one, at 1 a pixel
+    for (const QualityView& view : views_) {
+      const Picture picture(*all.scene, *all.lights, view.camera, view.turn_rad, settings_);
+      attempt += kImages * static_cast<double>(pilot_pixels(picture, kPilotPixels).size());
+      job_paths_ += settings_.spp * static_cast<double>(job_views_) / static_cast<double>(views_.size()) *
+                    static_cast<double>(std::count(picture.seen.begin(), picture.seen.end(), 1));
+    }
+    for (int spp = kFirstSpp; spp <= kMostSpp && spp * attempt <= kAttemptShare * job_paths_; spp *= 4)
+      most_spp_ = spp;
+    can_cache_ = VisibilityCache::rays_of(*all.scene) <= kCacheShare * job_paths_;
+  }
 
   PreparedScene run() {
     limit_environments();
     if (settings_.subsurface && has_subsurface(model_))
       keeps("subsurface", kSubsurfacePart, [](Needs& needs) { needs.subsurface = false; });
+    if (can_cache_)
+      keeps("shadow rays and bounces where a cache knows them", kShadowsPart,
+            [](Needs& needs) { needs.shadow_rays = false; });
     for (const int bounces : {0, 1, 2})
-      if (bounces < settings_.max_bounces && keeps(fmt::format("bounces beyond {}", bounces), kBouncesPart,
-                                                   [&](Needs& needs) { needs.max_bounces = bounces; }))
+      if (needs_.shadow_rays && bounces < settings_.max_bounces &&
+          keeps(fmt::format("bounces beyond {}", bounces), kBouncesPart,
+                [&](Needs& needs) { needs.max_bounces = bounces; }))
         break;
     for (int px = variants_.largest_map() / 2; px >= kLeastWidth_px; px /= 2)
       if (!keeps(fmt::format("maps at {} px", px), kMapsPart, [&](Needs& needs) { needs.map_px = px; }))
@@ -131,22 +154,6 @@ class Choice {
   }
 
  private:
-  /// The most paths of kFirstSpp, 4 kFirstSpp ... that an attempt may take; 0: none.
-  int affordable_spp() const {
-    double attempt = 0, job = 0;
-    for (const QualityView& view : views_) {
-      const PreparedScene all = variants_.of(Needs());
-      const Picture picture(*all.scene, *all.lights, view.camera, view.turn_rad, settings_);
-      attempt += kImages * static_cast<double>(pilot_pixels(picture, kPilotPixels).size());
-      job += settings_.spp * static_cast<double>(job_views_) / static_cast<double>(views_.size()) *
-             static_cast<double>(std::count(picture.seen.begin(), picture.seen.end(), 1));
-    }
-    int spp = 0;
-    for (int more = kFirstSpp; more <= kMostSpp && more * attempt <= kAttemptShare * job; more *= 4)
-      spp = more;
-    return spp;
-  }
-
   ViewPilots pilots(const Scene& scene, const LightSet& lights, const RenderSettings& settings,
                     int spp) const {
     const Stopwatch watch;
@@ -255,7 +262,9 @@ class Choice {
   const int job_views_;
   const RenderSettings settings_;
   const double tolerance_;
-  const int most_spp_;
+  double job_paths_ = 0;
+  int most_spp_ = 0;  // of an attempt; 0: none may be made
+  bool can_cache_ = false;
   Needs needs_;
   std::map<int, ViewPilots> references_;
   std::vector<Omission> tried_;
@@ -265,6 +274,7 @@ class Choice {
 }  // namespace
 
 RenderSettings PreparedScene::settings_for(RenderSettings settings) const {
+  settings.visibility = visibility;
   settings.subsurface = settings.subsurface && needs.subsurface;
   if (needs.max_bounces < settings.max_bounces) {
     settings.max_bounces = needs.max_bounces;

@@ -18,15 +18,18 @@ enum class Quality {
 /// What is rendered with. A limit that is above what the model or the settings have changes nothing.
 struct Needs {
   bool subsurface = true;  // false: skin reflects diffusely
+  bool shadow_rays =
+      true;  // false: a cache at the vertices knows most shadows, and what surfaces send each other
   int max_bounces = 1 << 20;
   int environment_px = 1 << 20;  // largest width, by halving
   int map_px = 1 << 20;          // largest width of the model's maps, by halving
 };
-constexpr Needs kFastNeeds{false, 1, 256, 1024};
+constexpr Needs kFastNeeds{false, true, 1, 256, 1024};
 
 /// One thing that was tried to be left out, together with all that was left out before it.
 struct Omission {
-  std::string what;  // "environments at 256 px", "subsurface", "bounces beyond 1", "maps at 512 px"
+  std::string
+      what;  // "environments at 256 px", "subsurface", "shadow rays and bounces where a cache knows them"
   /// Relative change of the light's image that changes most: the root of sum of (expected difference)^2 / sum
   /// of (expected value)^2 over the subject, and the ends of its 98 % confidence interval.
   double error = 0, low = 0, high = 0;
@@ -39,9 +42,10 @@ struct PreparedScene {
   std::shared_ptr<const Scene> scene;  // with full maps, for render_maps
   std::shared_ptr<const Scene> lit;    // for render_lights; may be the same
   std::shared_ptr<const LightSet> lights;
-  std::vector<Omission> tried;  // kAuto
-  double error_high = 0;        // of all that is left out together
-  double cpu_share = 1;         // processor time of its pilots over the reference's; not deterministic
+  std::shared_ptr<const VisibilityCache> visibility;  // null: none
+  std::vector<Omission> tried;                        // kAuto
+  double error_high = 0;                              // of all that is left out together
+  double cpu_share = 1;  // processor time of its pilots over the reference's; not deterministic
 
   /// The settings with what is not needed turned off.
   RenderSettings settings_for(RenderSettings settings) const;
@@ -54,8 +58,9 @@ struct QualityView {
 };
 
 /// For kAuto, tries in a fixed order: environments of half, a quarter ... of their width (all in one pass),
-/// no subsurface, fewer bounces, smaller maps. Each is rendered beside the reference with the same random
-/// numbers, 16 independent pairs over some 1000 pixels of each view, and told from noise as
+/// no subsurface, a cache instead of shadow rays and bounces (if building it takes no more rays than a half
+/// of the job's paths), else fewer bounces; smaller maps. Each is rendered beside the reference with the same
+/// random numbers, 16 independent pairs over some 1000 pixels of each view, and told from noise as
 /// paired_pilots.h says. Something is left out only if the interval's upper end is within the tolerance, for
 /// all that is left out together, in every light and view. In doubt the pilots get up to 16 times the paths,
 /// as long as one attempt takes no more than 1/64 of the job (`job_views` images of settings.spp paths); then

@@ -31,6 +31,8 @@ struct PixelBox {
 /// as Cycles 4.5 has it (v2: layered, keeps energy). docs/conventions.md says what the maps mean to each.
 enum class ShadingModel { kV1, kV2 };
 
+class VisibilityCache;
+
 struct RenderSettings {
   int size_px = 512;     // square image
   int spp = 256;         // paths a pixel, each serving every light
@@ -43,6 +45,8 @@ struct RenderSettings {
   /// error for the work. Unbiased: an eighth of the paths are made first, and how many more a pixel gets is
   /// told from its neighbours' alone (continued_budget() in budget.h). From 16 on.
   bool adaptive = false;
+  /// Instead of shadow rays to environments and of bounces at rough surfaces; null: rays find out.
+  std::shared_ptr<const VisibilityCache> visibility;
   ShadingModel shading = ShadingModel::kV1;
   bool subsurface = true;  // false: skin reflects diffusely instead
   int map_grid = 8;        // the maps average map_grid x map_grid points a pixel

@@ -77,7 +77,7 @@ Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& 
       for (size_t l = 0; l < tile.pools.size(); ++l)
         tile.pools[l].fill(picture.context.lights.environments[l], picture.context.turn_rad,
                            std::max(3, (block.log2 + 1) / 2), std::min(block.log2 / 2, block.log2 - 3),
-                           mix_bits(key + box.number) + block.first);
+                           mix_bits(key + box.number) + block.first, picture.cache != nullptr);
     };
     const auto begin_paths = [&](int x, int y, Vec3f* sum) {
       const auto [first, last] = range_of(x, y);
@@ -165,14 +165,19 @@ std::vector<TileBox> tiles_of(const PixelBox& box, const std::vector<uint32_t>& 
 
 Picture::Picture(const Scene& scene, const LightSet& lights, const Camera& camera, double turn_rad,
                  const RenderSettings& render_settings)
-    : context{scene,
+    : cache(render_settings.visibility
+                ? std::make_unique<LightCache>(*render_settings.visibility, scene, lights, turn_rad,
+                                               render_settings.max_bounces)
+                : nullptr),
+      context{scene,
               lights,
               turn_rad,
               turn_about_y({1, 0, 0}, -turn_rad),
               turn_about_y({0, 0, 1}, -turn_rad),
               render_settings.max_bounces,
               render_settings.ends_at_rough_surfaces,
-              render_settings.subsurface},
+              render_settings.subsurface,
+              cache.get()},
       view(camera, turn_rad, render_settings.size_px),
       settings(render_settings),
       box(settings.crop),

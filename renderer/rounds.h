@@ -13,6 +13,7 @@ struct Picture {
   Picture(const Scene& scene, const LightSet& lights, const Camera& camera, double turn_rad,
           const RenderSettings& settings);
 
+  std::unique_ptr<const LightCache> cache;  // null: none
   PathContext context;
   ViewCamera view;
   const RenderSettings& settings;

@@ -12,15 +12,21 @@
 namespace ohb {
 
 struct SurfacePoint {
+  Hit hit;
   Vec3f position;   // cm, subject frame
   Vec3f ng, ns, n;  // geometric, smooth and mapped normal, unit, on the side of wo
   SurfaceTexel texel;
   uint8_t material_class;
   bool has_normal_map;
+  bool is_back;  // seen from behind the triangle
 };
 
+inline const uint32_t* corners_of(const Scene& scene, const Hit& hit) {
+  return &scene.indices[3 * size_t{hit.triangle}];
+}
+
 inline Vec3f position_at(const Scene& scene, const Hit& hit) {
-  const uint32_t* i = &scene.indices[3 * size_t{hit.triangle}];
+  const uint32_t* i = corners_of(scene, hit);
   return (1 - hit.u - hit.v) * scene.positions[i[0]] + hit.u * scene.positions[i[1]] +
          hit.v * scene.positions[i[2]];
 }
@@ -48,6 +54,7 @@ inline Vec3f mapped_normal(const Scene& scene, const Hit& hit, Vec2f uv, Vec3f s
 inline SurfacePoint surface_at(const Scene& scene, const Hit& hit, Vec3f wo) {
   const TriangleAttributes& a = scene.attributes[hit.triangle];
   SurfacePoint point;
+  point.hit = hit;
   point.position = position_at(scene, hit);
   point.ng = geometric_normal(scene, hit.triangle);
   const Vec3f smooth = (1 - hit.u - hit.v) * a.normal[0] + hit.u * a.normal[1] + hit.v * a.normal[2];
@@ -58,7 +65,8 @@ inline SurfacePoint surface_at(const Scene& scene, const Hit& hit, Vec3f wo) {
   point.n = a.has_normal_map ? mapped_normal(scene, hit, uv, smooth, point.ns) : point.ns;
   point.material_class = a.material_class;
   point.has_normal_map = a.has_normal_map;
-  if (dot(point.ng, wo) < 0) {
+  point.is_back = dot(point.ng, wo) < 0;
+  if (point.is_back) {
     point.ng = -point.ng;
     point.ns = -point.ns;
     point.n = -point.n;

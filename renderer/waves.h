@@ -55,6 +55,18 @@ void trace_wave(const PathContext& c, Tile& tile) {
     if (arrival.is_hit) prefetch_texels(c.scene, arrival.hit);
 }
 
+/// Paths that are known to meet nothing: what they read comes into the cache before it is asked for.
+inline void leave_scene(const PathContext& c, Tile& tile, Vec3f* radiance) {
+  tile.arrivals.resize(tile.leaving.size());
+  for (size_t i = 0; i < tile.leaving.size(); ++i) {
+    tile.arrivals[i].place = map_place(c.to_world(tile.leaving[i].ray.direction));
+    for (const EnvironmentLight& light : c.lights.environments) light.prefetch(tile.arrivals[i].place);
+  }
+  for (size_t i = 0; i < tile.leaving.size(); ++i)
+    add_environments(c, tile.leaving[i], tile.arrivals[i].place, tile, radiance);
+  tile.leaving.clear();
+}
+
 /// A path at the end of its ray.
 template <class Bsdf>
 void arrive(const PathContext& c, const Arrival& arrival, PathState& state, Tile& tile, Vec3f* radiance) {
@@ -89,10 +101,13 @@ void leave_walks(const PathContext& c, Tile& tile) {
     const Bsdf bsdf = exit_bsdf_at<Bsdf>(point, exit.direction);
     const bool ends = ends_at(c, path.state, bsdf);
     const Split split = ends ? Split().without_reflections() : Split();
-    sample_lights(c, point, bsdf, path.state.throughput, path.numbers.light.of(path.k, path.n), split, tile);
+    const LightCache::Known* known = known_at(c, point, tile);
+    sample_lights(c, point, bsdf, path.state.throughput, path.numbers.light.of(path.k, path.n), split, known,
+                  tile);
     const Vec2f u = lattice_point(path.numbers.direction, path.k, path.n);
+    if (ends) add_from_surfaces(c, point, bsdf, path.state.throughput, 0, u, tile);
     if (!ends && bounce_off(c, point, bsdf.sample(0, u.x, u.y), split.worth, path.state))
-      tile.next.push_back(path.state);
+      send_on(known, path.state, tile);
   }
   tile.walks.clear(), tile.walking.clear(), tile.media.clear();
 }
@@ -101,6 +116,7 @@ void leave_walks(const PathContext& c, Tile& tile) {
 /// `radiance`, one a light.
 template <bool kCutouts, class Bsdf>
 void trace_paths(const PathContext& c, Tile& tile, Vec3f* radiance) {
+  tile.radiance = radiance;
   while (!tile.next.empty()) {
     tile.wave.swap(tile.next);
     tile.next.clear();
@@ -108,6 +124,7 @@ void trace_paths(const PathContext& c, Tile& tile, Vec3f* radiance) {
     for (size_t i = 0; i < tile.wave.size(); ++i)
       arrive<Bsdf>(c, tile.arrivals[i], tile.wave[i], tile, radiance);
     if (!tile.walks.empty()) leave_walks<kCutouts, Bsdf>(c, tile);
+    leave_scene(c, tile, radiance);
   }
   ask_shadows<kCutouts>(c, tile, radiance);
 }

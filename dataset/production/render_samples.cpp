@@ -105,6 +105,7 @@ void add_needs(const RenderJob& job, const PreparedScene& prepared, ExrAttribute
   const Needs& needs = prepared.needs;
   const auto limit = [](int value) { return value == Needs().map_px ? "all" : std::to_string(value); };
   add("subsurface", needs.subsurface ? "all" : "none");
+  add("shadows", needs.shadow_rays ? "rays" : "cache");
   add("maxBounces", limit(needs.max_bounces));
   add("environment_px", limit(needs.environment_px));
   add("map_px", limit(needs.map_px));
@@ -159,6 +160,7 @@ nlohmann::json quality_json(const RenderJob& job, const PreparedScene& prepared)
   };
   nlohmann::json json = {{"quality", quality_name(job.quality)},
                          {"subsurface", needs.subsurface},
+                         {"shadow_rays", needs.shadow_rays},
                          {"max_bounces", limit(needs.max_bounces)},
                          {"environment_px", limit(needs.environment_px)},
                          {"map_px", limit(needs.map_px)}};

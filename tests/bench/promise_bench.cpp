@@ -3,7 +3,9 @@
 // LIGHT is an environment or x,y,z,I. MODEL is below the folder OHB_MODELS, if that is set.
 // --error: root mean square over six seeds of the real error of each light and of what was said; the truth is
 //   the mean of two images of plain --spp with as many paths each, whose own error is taken off.
-// --tolerance: the change by what auto leaves out, from independent images, and the processor time of both.
+// --tolerance: the change by what auto leaves out, from independent images, and the processor time of both:
+// an
+//   image, and to equal noise.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -86,6 +88,18 @@ void check_error(const Bench& b) {
   }
 }
 
+/// Variance of one image of light `l`, summed over the pixels.
+double noise_of(const PilotStack& stack, size_t l) {
+  const auto count = static_cast<double>(stack.size());
+  double variance = 0;
+  for (size_t i = 0; i < stack[0][l].size(); ++i) {
+    double sum = 0, squares = 0;
+    for (const auto& image : stack) sum += image[l][i], squares += double{image[l][i]} * image[l][i];
+    variance += (squares - sum * sum / count) / (count - 1);
+  }
+  return variance;
+}
+
 void check_quality(const Bench& b) {
   const std::vector<QualityView> views{{b.camera(), b.turn_rad}};
   constexpr int kJobViews = 100, kImages = 16;  // as a view of a series
@@ -111,11 +125,12 @@ void check_quality(const Bench& b) {
   const auto root = [](double x) { return std::sqrt(std::max(0.0, x)); };
   for (size_t l = 0; l < stacks[0][0].size(); ++l) {
     const SquaredDifference d = squared_difference(stacks[0], l, stacks[1], l, 0.02);
+    const double noise = noise_of(stacks[0], l) / noise_of(stacks[1], l);
     std::printf(
         "%-26s light %zu tolerance %.3g  said at most %.4f  real %.4f (98 %%: %.4f to %.4f)  processor time "
-        "reference/auto %.2f  (%.1f s an image; choosing took %.1f s)\n",
+        "reference/auto %.2f, to equal noise %.2f  (%.1f s an image; choosing took %.1f s)\n",
         b.name.c_str(), l, b.tolerance, prepared[1].error_high, root(d.value), root(d.low), root(d.high),
-        cpu_s[0] / cpu_s[1], cpu_s[0] / kImages, choosing_s);
+        cpu_s[0] / cpu_s[1], noise * cpu_s[0] / cpu_s[1], cpu_s[0] / kImages, choosing_s);
   }
   for (const Omission& o : prepared[1].tried)
     std::printf("    %s %s: %.4f (%.4f to %.4f)\n", o.is_left_out ? "left out" : "kept", o.what.c_str(),

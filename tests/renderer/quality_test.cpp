@@ -129,26 +129,37 @@ struct Case {
   }
 };
 
-Model bowl(const TextureSet& set) {
+Model bowl(const TextureSet& set, float steepness_cm = 40) {
   return grid_model(
       24, 24,
-      [](float u, float v) {
+      [=](float u, float v) {
         const float x = 2 * u - 1, y = 2 * v - 1;
-        return Vec3f{40 * x, 40 * v, 40 * (x * x + y * y)};
+        return Vec3f{40 * x, 40 * v, steepness_cm * (x * x + y * y)};
       },
       set);
 }
 
 TEST(Quality, LeavesOutWhatABallInTheSkyDoesNotNeed) {
   // A convex ball: no light comes from itself. An even sky: any resolution will do. Constant maps: likewise.
-  const Case ball(sphere_model(20, 32, constant_set({}, 256)), environment_of(0, 256));
+  // So many triangles that to cache what they see would take more rays than it saves.
+  const Case ball(sphere_model(20, 256, constant_set({}, 256)), environment_of(0, 256));
   const PreparedScene prepared = ball.prepare(0.02);
+  EXPECT_TRUE(prepared.needs.shadow_rays);
   EXPECT_EQ(prepared.needs.max_bounces, 0);
   EXPECT_EQ(prepared.needs.environment_px, 64);
   EXPECT_EQ(prepared.needs.map_px, 64);
   EXPECT_LE(prepared.error_high, 0.02);
   EXPECT_LT(ball.real_change_at_least(prepared), 0.02);
   EXPECT_NE(prepared.scene, prepared.lit) << "maps of a sample are from the full ones";
+}
+
+TEST(Quality, CachesShadowsWhereTheirDifferenceIsNotSeen) {
+  const Case shallow(bowl(constant_set({}), 8), environment_of(5, 128));
+  const PreparedScene prepared = shallow.prepare(0.03);
+  EXPECT_FALSE(prepared.needs.shadow_rays);
+  EXPECT_NE(prepared.settings_for(shallow.settings).visibility, nullptr);
+  EXPECT_LE(prepared.error_high, 0.03);
+  EXPECT_LT(shallow.real_change_at_least(prepared), 0.03);
 }
 
 TEST(Quality, KeepsWhatIsSeen) {
