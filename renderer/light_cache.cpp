@@ -52,16 +52,18 @@ class Asker {
         vertex_(vertex),
         around_(&umbrellas.triangles[umbrellas.first[vertex]]),
         count_(umbrellas.first[vertex + 1] - umbrellas.first[vertex]),
-        random_(kRaySeed, vertex, 0) {}
+        random_(kRaySeed, vertex, 0) {
+    for (uint32_t i = 0; i < count_; ++i) ng_.push_back(geometric_normal(scene, around_[i]));
+  }
 
   void means(Vec3f& normal, Vec3f& reflectance) {
     constexpr int kPoints = 16;
     normal = reflectance = {0, 0, 0};
-    for (uint32_t i = 0; i < count_; ++i) normal += geometric_normal(scene_, around_[i]);
+    for (const Vec3f ng : ng_) normal += ng;
     const float squared = dot(normal, normal);
-    normal = squared > 0 ? normal / std::sqrt(squared) : geometric_normal(scene_, around_[0]);
+    normal = squared > 0 ? normal / std::sqrt(squared) : ng_[0];
     for (int k = 0; k < kPoints; ++k) {
-      const Hit point = point_in(around_[random_.next_bits() % count_]);
+      const Hit point = point_in(around_[random_index()]);
       const SurfaceTexel texel =
           scene_.sets[scene_.attributes[point.triangle].set].surface(uv_at(scene_, point));
       // One reflection of even light, seen from a random direction. Principled v1 for both models.
@@ -75,27 +77,48 @@ class Asker {
     }
   }
 
-  /// True if a ray of the cell meets something.
-  bool meets(int cell, Hit& hit, Vec3f& direction) {
+  /// A ray of the cell.
+  Ray ray(int cell) {
     const Vec2f place = random_.next_pair();
-    direction = DirectionCells::direction(cell, place.x, place.y);
-    const Hit start = point_in(triangle_towards(direction));
-    const Vec3f ng = geometric_normal(scene_, start.triangle);
-    const Ray ray{ray_origin(scene_, position_at(scene_, start), ng, direction), direction};
-    return scene_.cutout ? intersect<true>(scene_, ray, random_, counts_, hit)
-                         : intersect<false>(scene_, ray, random_, counts_, hit);
+    const Vec3f direction = DirectionCells::direction(cell, place.x, place.y);
+    const uint32_t from = one_towards(direction);
+    return {ray_origin(scene_, position_at(scene_, point_in(around_[from])), ng_[from], direction),
+            direction};
+  }
+  /// What eight rays meet.
+  void meet(const Ray* rays, Found* found) {
+    if (!scene_.cutout)
+      closest_opaque(
+          scene_, 8, [&](int i) -> const Ray& { return rays[i]; }, false, counts_, found);
+    else
+      for (int i = 0; i < 8; ++i)
+        found[i].is_hit = intersect<true>(scene_, rays[i], random_, counts_, found[i].hit);
+  }
+  /// Whether they meet anything, which is cheaper.
+  void are_free(const Ray* rays, bool* is_free) {
+    WaitingLight waiting[8];
+    float shares[8];
+    for (int i = 0; i < 8; ++i) waiting[i] = {rays[i], std::numeric_limits<float>::infinity(), {}, 0};
+    if (scene_.cutout)
+      transmittances<true>(scene_, waiting, 8, counts_, shares);
+    else
+      transmittances<false>(scene_, waiting, 8, counts_, shares);
+    for (int i = 0; i < 8; ++i) is_free[i] = random_.next() < shares[i];
   }
 
  private:
   /// One that the direction leaves from the front, if there is one: points of the others do not ask for it,
   /// or the surface would shade itself along its edges.
-  uint32_t triangle_towards(Vec3f direction) {
-    const uint32_t begin = random_.next_bits() % count_;
-    for (uint32_t k = 0; k < count_; ++k) {
-      const uint32_t triangle = around_[(begin + k) % count_];
-      if (dot(geometric_normal(scene_, triangle), direction) > 0) return triangle;
+  uint32_t one_towards(Vec3f direction) {
+    const uint32_t begin = random_index();
+    for (uint32_t k = begin; k < begin + count_; ++k) {
+      const uint32_t i = k < count_ ? k : k - count_;
+      if (dot(ng_[i], direction) > 0) return i;
     }
-    return around_[begin];
+    return begin;
+  }
+  uint32_t random_index() {
+    return std::min(static_cast<uint32_t>(random_.next() * static_cast<float>(count_)), count_ - 1);
   }
   /// A point of the half of the triangle's edges at the vertex.
   Hit point_in(uint32_t triangle) {
@@ -112,6 +135,7 @@ class Asker {
   const uint32_t vertex_;
   const uint32_t* around_;
   const uint32_t count_;
+  std::vector<Vec3f> ng_;
   Random random_;
   RayCounts counts_;
 };
@@ -186,14 +210,31 @@ VisibilityCache::VisibilityCache(const Scene& scene) {
     if (umbrellas.first[v] == umbrellas.first[v + 1]) return;
     Asker asker(scene, umbrellas, v);
     asker.means(normal[v], reflectance[v]);
-    for (int cell = 0; cell < kCells; ++cell) {
-      Hit hit;
-      Vec3f direction;
-      if (!asker.meets(cell, hit, direction)) continue;
+    const auto block = [&](int cell) {
       free[v].words[static_cast<size_t>(cell) / 64] &= ~(uint64_t{1} << (cell % 64));
-      if (cell % kMetStride != 0) continue;
-      const bool is_back = dot(geometric_normal(scene, hit.triangle), direction) > 0;
-      met[v][static_cast<size_t>(cell / kMetStride)] = 2 * nearest_corner(scene, hit) + is_back;
+    };
+    for (int first = 0; first < kCells; first += 8 * kMetStride) {
+      Ray rays[8];
+      for (int shift = 0; shift < kMetStride; ++shift) {
+        const auto cell_of = [&](int i) { return first + shift + kMetStride * i; };
+        for (int i = 0; i < 8; ++i) rays[i] = asker.ray(cell_of(i));
+        if (shift > 0) {
+          bool is_free[8];
+          asker.are_free(rays, is_free);
+          for (int i = 0; i < 8; ++i)
+            if (!is_free[i]) block(cell_of(i));
+          continue;
+        }
+        Found found[8];
+        asker.meet(rays, found);
+        for (int i = 0; i < 8; ++i) {
+          if (!found[i].is_hit) continue;
+          block(cell_of(i));
+          const Hit& hit = found[i].hit;
+          const bool is_back = dot(geometric_normal(scene, hit.triangle), rays[i].direction) > 0;
+          met[v][static_cast<size_t>(cell_of(i) / kMetStride)] = 2 * nearest_corner(scene, hit) + is_back;
+        }
+      }
     }
   });
 }

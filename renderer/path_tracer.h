@@ -72,9 +72,7 @@ struct PathState {
 };
 
 /// Where a ray of a wave went.
-struct Arrival {
-  bool is_hit;
-  Hit hit;
+struct Arrival : Found {
   MapPlace place;  // in the environments, where there is no hit
 };
 

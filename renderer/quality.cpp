@@ -17,7 +17,7 @@ namespace {
 constexpr int kImages = 16, kFirstSpp = 1, kMostSpp = 16;
 constexpr size_t kPilotPixels = 1024;
 constexpr double kAttemptShare = 1.0 / 64;  // of the job's paths
-constexpr double kCacheShare = 1.0 / 2;     // its rays, of the job's paths: a tenth of the work
+constexpr double kCacheShare = 1;           // its rays, of the job's paths: a sixth of the work
 constexpr int kLeastWidth_px = 64;
 constexpr double kAlpha = 0.02;  // two-sided: the upper end is a bound of 99 %
 // What earlier kinds may use up of the tolerance, so that later ones have a chance.

@@ -6,27 +6,6 @@
 
 namespace ohb {
 
-/// Closest hits of up to eight paths' rays.
-inline void intersect_eight_paths(const Scene& scene, const PathState* paths, int count, RayCounts& counts,
-                                  Arrival* arrivals) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  alignas(32) int valid[8];
-  RTCRayHit8 r;
-  counts.closest_hit += static_cast<uint64_t>(count);
-  for (int i = 0; i < 8; ++i) {
-    const Ray& ray = paths[i < count ? i : 0].ray;
-    valid[i] = i < count ? -1 : 0;
-    set_lane(r.ray, i, ray, kInfinity);
-    r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
-    if (i < count) record_ray(counts, ray, 0, kInfinity, false, false);
-  }
-  if (scene.opaque) intersect_eight(scene.opaque, valid, r, paths->bounce == 0);
-  for (int i = 0; i < count; ++i) {
-    arrivals[i].is_hit = r.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
-    arrivals[i].hit = {r.hit.primID[i], r.hit.u[i], r.hit.v[i], r.ray.tfar[i]};
-  }
-}
-
 /// Where the rays of tile.wave go, without cut-outs eight at once. What is asked for there comes into the
 /// cache meanwhile: texels of large maps come from far.
 template <bool kCutouts>
@@ -38,9 +17,13 @@ void trace_wave(const PathContext& c, Tile& tile) {
       tile.arrivals[i].is_hit =
           intersect<true>(c.scene, tile.wave[i].ray, tile.wave[i].random, tile.rays, tile.arrivals[i].hit);
   } else {
-    for (size_t i = 0; i < count; i += 8)
-      intersect_eight_paths(c.scene, &tile.wave[i], static_cast<int>(std::min<size_t>(8, count - i)),
-                            tile.rays, &tile.arrivals[i]);
+    for (size_t i = 0; i < count; i += 8) {
+      const PathState* paths = &tile.wave[i];
+      closest_opaque(
+          c.scene, static_cast<int>(std::min<size_t>(8, count - i)),
+          [&](int k) -> const Ray& { return paths[k].ray; }, paths->bounce == 0, tile.rays,
+          &tile.arrivals[i]);
+    }
   }
   for (size_t i = 0; i < count; ++i) {
     Arrival& arrival = tile.arrivals[i];

@@ -142,7 +142,7 @@ Model bowl(const TextureSet& set, float steepness_cm = 40) {
 TEST(Quality, LeavesOutWhatABallInTheSkyDoesNotNeed) {
   // A convex ball: no light comes from itself. An even sky: any resolution will do. Constant maps: likewise.
   // So many triangles that to cache what they see would take more rays than it saves.
-  const Case ball(sphere_model(20, 256, constant_set({}, 256)), environment_of(0, 256));
+  const Case ball(sphere_model(20, 360, constant_set({}, 256)), environment_of(0, 256));
   const PreparedScene prepared = ball.prepare(0.02);
   EXPECT_TRUE(prepared.needs.shadow_rays);
   EXPECT_EQ(prepared.needs.max_bounces, 0);
