@@ -23,6 +23,7 @@ constexpr int kRoughGroups = 4, kNarrowGroups = 2, kWalkGroups = 2;  // of candi
 constexpr int kPicks = 2;                                            // shadow rays to each of them
 constexpr int kRoughReflections = 3, kNarrowReflections = 4, kWalkReflections = 4;
 constexpr int kRoughReflectionsOfMany = 2;
+constexpr int kHighlightReflections = 6;  // where a cache knows the rest
 constexpr int kWalks = 12, kLeastWalks = 8;
 constexpr int kRouletteFromBounce = 2;  // Cycles: the continuation test starts at the third surface
 
@@ -137,7 +138,7 @@ struct Split {
     return {groups, picks, 0, walks, std::numeric_limits<float>::infinity()};
   }
   /// At the first surface. Each further light makes shadow rays dearer against what they share.
-  static Split of_first(size_t environments, bool is_rough, bool walks_under) {
+  static Split of_first(size_t environments, bool is_rough, bool walks_under, bool is_cached) {
     const int shared = environments <= 1 ? 1 : environments <= 3 ? 2 : 4;
     Split split;
     split.groups = walks_under ? kWalkGroups : is_rough ? kRoughGroups : kNarrowGroups;
@@ -145,6 +146,10 @@ struct Split {
     split.picks = environments <= 1 ? kPicks : 1;
     split.reflections = walks_under ? kWalkReflections : is_rough ? kRoughReflections : kNarrowReflections;
     if (is_rough && !walks_under && environments > 3) split.reflections = kRoughReflectionsOfMany;
+    if (is_cached) {
+      split.picks = 1;
+      if (!is_rough && !walks_under) split.reflections = kHighlightReflections;
+    }
     split.walks = std::max(kLeastWalks, kWalks / shared);
     split.worth *= static_cast<float>(split.groups * split.picks) / static_cast<float>(split.reflections);
     return split;
@@ -333,10 +338,10 @@ void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, 
              bool walks_under, const PathState& state, Tile& tile) {
   PathSampler& sampler = *state.sampler;
   const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
-  Split split = Split::of_first(c.lights.environments.size(), bsdf.is_rough(), walks_under);
+  Split split =
+      Split::of_first(c.lights.environments.size(), bsdf.is_rough(), walks_under, c.cache != nullptr);
   const bool ends = ends_at(c, state, bsdf);
   if (ends) split = split.without_reflections();
-  if (c.cache) split.picks = 1;
   const LightCache::Known* known = known_at(c, point, tile);
   sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, known, tile);
   if (ends) add_from_surfaces(c, point, bsdf, state.throughput, across_and_lobe.y, u, tile);
@@ -373,6 +378,12 @@ void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile)
   const bool walks_under = under == UnderSurface::kWalk;
   const Bsdf bsdf = bsdf_at<Bsdf>(point, wo, is_first, under);
   if (bsdf.is_black()) return;
+  if (is_first && c.cache && !walks_under && !bsdf.is_rough()) {
+    // Reflections for the highlight alone: the rest ends here.
+    fan_out(c, point, bsdf.highlight(), hit.triangle, false, state, tile);
+    fan_out(c, point, bsdf.without_highlight(), hit.triangle, false, state, tile);
+    return;
+  }
   if (is_first) {
     fan_out(c, point, bsdf, hit.triangle, walks_under, state, tile);
     return;
