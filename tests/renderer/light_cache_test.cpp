@@ -134,7 +134,7 @@ TEST(LightCache, PicturesEqualThoseByRays) {
   struct Bound {
     float depth_cm, sky, sun, lamp;
   };
-  for (const Bound& bound : {Bound{16, 0.015f, 0.03f, 0.015f}, Bound{60, 0.04f, 0.07f, 0.045f}})
+  for (const Bound& bound : {Bound{16, 0.015f, 0.03f, 0.02f}, Bound{60, 0.04f, 0.07f, 0.045f}})
     for (const float roughness : {0.6f, 0.2f}) {
       const Pictures pictures = render_both(
           bowl({{0.8f, 0.5f, 0.3f}, roughness, 0.2f, 0}, 48, bound.depth_cm),
