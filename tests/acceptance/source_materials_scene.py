@@ -5,6 +5,7 @@ Environment: OHB_SCAN (.glb or .obj, one mesh), OHB_LABELS (a class a line in th
 folder that bake wrote: unit and shift), OHB_ROOT (the repository); OHB_ENCODED=1 leaves the pictures in 8 bits, which
 Cycles filters before it decodes them.
 """
+import json
 import os
 import sys
 import xml.etree.ElementTree as xml
@@ -117,7 +118,9 @@ def class_values():
     return [table[name] for name in CLASSES]
 
 
-def build_mesh(_folder, _description):
+def build_mesh(folder, _description):
+    with open(os.path.join(folder, "scene.json"), encoding="utf-8") as file:
+        sss_scale = json.load(file)["sss_scale"]
     mesh = import_scan(os.environ["OHB_SCAN"])
     place(mesh, os.environ["OHB_MODEL"])
     weld(mesh)
@@ -126,7 +129,7 @@ def build_mesh(_folder, _description):
         raise ValueError("%d labels for %d faces" % (len(labels), len(mesh.polygons)))
     images = [picture_of(material) for material in mesh.materials]
     numbers = [4 * polygon.material_index + label for polygon, label in zip(mesh.polygons, labels)]
-    values = class_values()
+    values = [(specular, roughness, sss * sss_scale) for specular, roughness, sss in class_values()]
     mesh.materials.clear()
     for i, image in enumerate(images):
         if image.colorspace_settings.name != "sRGB":
