@@ -1,7 +1,7 @@
 #include "renderer/error_regions.h"
 
+#include "dataset/model/parallel.h"
 #include "dataset/model/regions.h"
-#include "renderer/parallel.h"
 
 namespace ohb {
 namespace {

@@ -1,6 +1,6 @@
 #include "renderer/ggx_energy.h"
 
-#include "renderer/parallel.h"
+#include "dataset/model/parallel.h"
 #include "renderer/sampling.h"
 
 namespace ohb {

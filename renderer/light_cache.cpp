@@ -2,9 +2,9 @@
 
 #include <numeric>
 
+#include "dataset/model/parallel.h"
 #include "renderer/eight.h"
 #include "renderer/intersect.h"
-#include "renderer/parallel.h"
 #include "renderer/surface.h"
 
 namespace ohb {

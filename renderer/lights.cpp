@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "dataset/model/parallel.h"
 #include "renderer/cycles_model.h"
-#include "renderer/parallel.h"
 
 namespace ohb {
 namespace {

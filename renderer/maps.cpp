@@ -1,8 +1,8 @@
 // Material maps of a view: what the camera sees of the model's maps, averaged over what covers each pixel.
 
+#include "dataset/model/parallel.h"
 #include "dataset/model/regions.h"
 #include "renderer/footprint.h"
-#include "renderer/parallel.h"
 
 namespace ohb {
 namespace {

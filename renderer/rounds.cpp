@@ -8,8 +8,8 @@
 #include <mutex>
 #include <utility>
 
+#include "dataset/model/parallel.h"
 #include "renderer/footprint.h"
-#include "renderer/parallel.h"
 #include "renderer/waves.h"
 
 namespace ohb {

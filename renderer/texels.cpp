@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <new>
 
-#include "renderer/parallel.h"
+#include "dataset/model/parallel.h"
 
 namespace ohb {
 namespace {

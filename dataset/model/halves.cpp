@@ -1,10 +1,10 @@
 #include "dataset/model/halves.h"
 
 #include <Imath/half.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
+
+#include "dataset/model/parallel.h"
 #if defined(__x86_64__)
 #include <immintrin.h>
 #endif
@@ -42,10 +42,11 @@ std::vector<uint16_t> halves_of(const float* values, size_t count) {
 #else
   const auto run = convert;
 #endif
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 1 << 16),
-                    [&](const tbb::blocked_range<size_t>& range) {
-                      run(values + range.begin(), range.size(), halves.data() + range.begin());
-                    });
+  constexpr size_t kAtOnce = 1 << 16;
+  parallel_for_each(0, static_cast<int>((count + kAtOnce - 1) / kAtOnce), [&](int block) {
+    const size_t first = kAtOnce * static_cast<size_t>(block);
+    run(values + first, std::min(kAtOnce, count - first), halves.data() + first);
+  });
   return halves;
 }
 

@@ -1,12 +1,11 @@
 #include "dataset/model/model.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "dataset/model/model_files.h"
+#include "dataset/model/parallel.h"
 #include "dataset/model/regions.h"
 
 namespace ohb {
@@ -37,7 +36,8 @@ double angle_between(Vec3d a, Vec3d b) {
 std::vector<Vec3f> smooth_normals(const Model& model) {
   // The unit normal of each triangle weighted by its angle at each corner; then summed in their order.
   std::vector<std::array<Vec3d, 3>> weighted(model.triangles.size());
-  tbb::parallel_for(size_t{0}, weighted.size(), [&](size_t t) {
+  parallel_for_each(0, static_cast<int>(weighted.size()), [&](int i) {
+    const auto t = static_cast<size_t>(i);
     const ModelTriangle& triangle = model.triangles[t];
     const Vec3f p[3] = {model.positions_cm[triangle.position[0]], model.positions_cm[triangle.position[1]],
                         model.positions_cm[triangle.position[2]]};

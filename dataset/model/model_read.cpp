@@ -1,5 +1,4 @@
 // Reads a MODEL folder and checks everything in it.
-#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <cstring>
@@ -9,6 +8,7 @@
 #include "dataset/model/conventions.h"
 #include "dataset/model/error.h"
 #include "dataset/model/model_files.h"
+#include "dataset/model/parallel.h"
 #include "dataset/model/xml_document.h"
 
 namespace ohb {
@@ -146,7 +146,8 @@ std::vector<MapTask> map_tasks(const XmlDocument& xml, const std::vector<Texture
 void read_maps(const fs::path& folder, const std::vector<MapTask>& tasks) {
   // The first failure in file order is reported, whatever the threads do.
   std::vector<std::exception_ptr> failures(tasks.size());
-  tbb::parallel_for(size_t{0}, tasks.size(), [&](size_t i) {
+  parallel_for_each(0, static_cast<int>(tasks.size()), [&](int task) {
+    const auto i = static_cast<size_t>(task);
     try {
       read_map(folder / "maps", *tasks[i].entry, tasks[i].kind, *tasks[i].set);
     } catch (...) {

@@ -1,5 +1,4 @@
 // Writes a MODEL folder.
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cctype>
@@ -13,6 +12,7 @@
 #include "dataset/model/conventions.h"
 #include "dataset/model/error.h"
 #include "dataset/model/model_files.h"
+#include "dataset/model/parallel.h"
 #include "dataset/model/xml_document.h"
 
 namespace ohb {
@@ -27,7 +27,7 @@ Image preview_of_channels(const Image& image) {
   const int block = (std::max(image.width_px, image.height_px) + kPreviewEdge_px - 1) / kPreviewEdge_px;
   Image small(std::max(1, image.width_px / block), std::max(1, image.height_px / block), kChannels);
   const int columns = std::min(block, image.width_px), rows = std::min(block, image.height_px);
-  tbb::parallel_for(0, small.height_px, [&](int y) {
+  parallel_for_each(0, small.height_px, [&](int y) {
     for (int x = 0; x < small.width_px; ++x) {
       float sum[kChannels] = {};
       for (int dy = 0; dy < rows; ++dy) {
