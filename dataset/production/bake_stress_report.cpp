@@ -98,16 +98,16 @@ std::string bake_stress_json(const std::vector<BakeStressCaseResult>& results) {
 }
 
 void draw_bake_stress(const std::vector<BakeStressCaseResult>& results, const std::filesystem::path& folder) {
-  std::string script, panels;
+  std::string script;
+  std::vector<std::string> panels;
   for (size_t i = 0; i < results.size(); ++i) {
     script += data_of(results[i], i);
-    panels += panel(results[i], i);
+    panels.push_back(panel(results[i], i));
   }
   script +=
       "set grid lc rgb '#dddddd'\nset key inside top center maxrows 2 font ',9'\nset logscale y\n"
       "set yrange [0.0008:200]\nset offsets graph 0.05, graph 0.05, 0, 0\n";
-  const size_t rows = (results.size() + 1) / 2;
-  draw_panels(script, panels, rows, 2, 1200, 300 * rows, folder);
+  draw_panels(script, panels, 2, 1200, 300, folder);
 }
 
 }  // namespace ohb

@@ -30,10 +30,11 @@ void run_gnuplot(const std::string& script, const fs::path& folder) {
   throw InputError("gnuplot", "chart.gp", "failed: " + message, "install gnuplot-nox 5.4 or later");
 }
 
-void draw_panels(const std::string& settings, const std::string& panels, size_t rows, int columns,
-                 int width_px, size_t height_px, const fs::path& folder) {
+void draw_panels(const std::string& settings, const std::vector<std::string>& panels, size_t columns,
+                 int width_px, size_t row_height_px, const fs::path& folder) {
+  const size_t rows = (panels.size() + columns - 1) / columns, height_px = rows * row_height_px;
   const std::string layout =
-      fmt::format("set multiplot layout {},{}\n{}unset multiplot\n", rows, columns, panels);
+      fmt::format("set multiplot layout {},{}\n{}unset multiplot\n", rows, columns, fmt::join(panels, ""));
   std::string script = settings;
   script += fmt::format("set terminal svg size {},{} background rgb 'white'\nset output 'chart.svg'\n",
                         width_px, height_px) +

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace ohb {
 
@@ -12,8 +13,8 @@ std::string gnuplot_quoted(std::string text);
 /// Writes folder/chart.gp and draws it inside the folder. Throws InputError if gnuplot is missing or fails.
 void run_gnuplot(const std::string& script, const std::filesystem::path& folder);
 
-/// run_gnuplot on panels in rows of `columns`, as chart.svg and chart.png of that size in pixels.
-void draw_panels(const std::string& settings, const std::string& panels, size_t rows, int columns,
-                 int width_px, size_t height_px, const std::filesystem::path& folder);
+/// run_gnuplot on panels, each one `plot`, in rows of `columns`, as chart.svg and chart.png.
+void draw_panels(const std::string& settings, const std::vector<std::string>& panels, size_t columns,
+                 int width_px, size_t row_height_px, const std::filesystem::path& folder);
 
 }  // namespace ohb

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -39,7 +40,8 @@ std::string data_of(const StressCaseResult& result, size_t number) {
   return data + "EOD\n";
 }
 
-std::string panel(const StressCaseResult& result, size_t number) {
+/// Brightness and time.
+std::array<std::string, 2> panels_of(const StressCaseResult& result, size_t number) {
   const std::string x = result.stress.log_scale ? "set logscale x\nset format x '10^{%L}'\n"
                                                 : "unset logscale x\nset format x '%g'\n";
   std::string script = x + "set xlabel " + gnuplot_quoted(result.stress.parameter) + " noenhanced\n";
@@ -53,13 +55,13 @@ std::string panel(const StressCaseResult& result, size_t number) {
       "1:2:3 "
       "with yerrorlines pt 7 ps 0.6 lw 2 lc rgb '#1f5fbf' title 'ours'\n",
       number);
-  script += "set logscale y\nset ylabel 'processor us a path'\nset title " +
-            gnuplot_quoted(result.stress.what) + " noenhanced tc rgb '#555555'\n";
-  script += fmt::format(
+  std::string time = "set logscale y\nset ylabel 'processor us a path'\nset title " +
+                     gnuplot_quoted(result.stress.what) + " noenhanced tc rgb '#555555'\n";
+  time += fmt::format(
       "plot $c{0} using 1:7 with linespoints pt 4 ps 1.2 lw 1 lc rgb '#c03030' notitle, $c{0} using 1:6 with "
       "linespoints pt 7 ps 0.6 lw 2 lc rgb '#1f5fbf' notitle\n",
       number);
-  return script;
+  return {script, time};
 }
 
 }  // namespace
@@ -111,14 +113,15 @@ std::string stress_json(const std::vector<StressCaseResult>& results) {
 }
 
 void draw_stress(const std::vector<StressCaseResult>& results, const std::filesystem::path& folder) {
-  std::string script, panels;
+  std::string script;
+  std::vector<std::string> panels;
   for (size_t i = 0; i < results.size(); ++i) {
     script += data_of(results[i], i);
-    panels += panel(results[i], i);
+    for (std::string& panel : panels_of(results[i], i)) panels.push_back(std::move(panel));
   }
   script +=
       "set grid\nset key outside right top\nset offsets graph 0.05, graph 0.05, graph 0.15, graph 0.15\n";
-  draw_panels(script, panels, results.size(), 1, 1100, 260 * results.size(), folder);
+  draw_panels(script, panels, 2, 1100, 260, folder);
 }
 
 }  // namespace ohb
