@@ -16,8 +16,9 @@ namespace {
 
 constexpr int kImages = 16, kFirstSpp = 1, kMostSpp = 16;
 constexpr size_t kPilotPixels = 1024;
-constexpr double kAttemptShare = 1.0 / 64;  // of the job's paths
-constexpr double kCacheShare = 1;           // its rays, of the job's paths: a sixth of the work
+constexpr double kAttemptShare = 1.0 / 64;       // of the job's paths
+constexpr double kCacheAttemptShare = 1.0 / 16;  // what may halve the job's time
+constexpr double kCacheShare = 1;                // its rays, of the job's paths: a sixth of the work
 constexpr int kLeastWidth_px = 64;
 constexpr double kAlpha = 0.02;  // two-sided: the upper end is a bound of 99 %
 // What earlier kinds may use up of the tolerance, so that later ones have a chance.
@@ -126,8 +127,10 @@ class Choice {
       job_paths_ += settings_.spp * static_cast<double>(job_views_) / static_cast<double>(views_.size()) *
                     static_cast<double>(std::count(picture.seen.begin(), picture.seen.end(), 1));
     }
-    for (int spp = kFirstSpp; spp <= kMostSpp && spp * attempt <= kAttemptShare * job_paths_; spp *= 4)
-      most_spp_ = spp;
+    for (int spp = kFirstSpp; spp <= kMostSpp; spp *= 4) {
+      if (spp * attempt <= kAttemptShare * job_paths_) most_spp_ = spp;
+      if (spp * attempt <= kCacheAttemptShare * job_paths_) most_cache_spp_ = spp;
+    }
     can_cache_ = VisibilityCache::rays_of(*all.scene) <= kCacheShare * job_paths_;
   }
 
@@ -136,8 +139,9 @@ class Choice {
     if (settings_.subsurface && has_subsurface(model_))
       keeps("subsurface", kSubsurfacePart, [](Needs& needs) { needs.subsurface = false; });
     if (can_cache_)
-      keeps("shadow rays and bounces where a cache knows them", kShadowsPart,
-            [](Needs& needs) { needs.shadow_rays = false; });
+      keeps(
+          "shadow rays and bounces where a cache knows them", kShadowsPart,
+          [](Needs& needs) { needs.shadow_rays = false; }, most_cache_spp_);
     for (const int bounces : {0, 1, 2})
       if (needs_.shadow_rays && bounces < settings_.max_bounces &&
           keeps(fmt::format("bounces beyond {}", bounces), kBouncesPart,
@@ -235,18 +239,22 @@ class Choice {
 
   template <typename Change>
   bool keeps(const std::string& what, double part, const Change& change) {
+    return keeps(what, part, change, most_spp_);
+  }
+  template <typename Change>
+  bool keeps(const std::string& what, double part, const Change& change, int most_spp) {
+    if (most_spp_ == 0) return false;
     Needs needs = needs_;
     change(needs);
     Omission omission{what};
     double cpu_share = 1;
-    for (int spp = kFirstSpp; spp <= most_spp_; spp *= 4) {
+    for (int spp = kFirstSpp; spp <= most_spp; spp *= 4) {
       const ViewPilots& all = reference(spp);
       const ViewPilots without = pilots(needs, spp);
       cpu_share = all.cpu_s > 0 ? without.cpu_s / all.cpu_s : 1;
       measure(all, without, 0, all.stacks[0][0].size(), omission);
       if (is_clear(omission, part)) break;
     }
-    if (most_spp_ == 0) return false;
     tried_.push_back(omission);
     if (omission.is_left_out) {
       needs_ = needs;
@@ -264,6 +272,7 @@ class Choice {
   const double tolerance_;
   double job_paths_ = 0;
   int most_spp_ = 0;  // of an attempt; 0: none may be made
+  int most_cache_spp_ = 0;
   bool can_cache_ = false;
   Needs needs_;
   std::map<int, ViewPilots> references_;
