@@ -111,8 +111,7 @@ struct PathContext {
   int max_bounces;
   bool ends_at_rough_surfaces;
   bool subsurface;
-  const LightCache*
-      cache;  // instead of shadow rays to environments, and of bounces at rough surfaces; or null
+  const LightCache* cache;  // null: rays find out
 
   Vec3f to_world(Vec3f v) const { return {dot(v, turn_x), v.y, dot(v, turn_z)}; }
 };
@@ -302,8 +301,8 @@ bool ends_at(const PathContext& c, const PathState& state, const Bsdf& bsdf) {
 /// What other surfaces send to where a path ends, if the cache has it.
 template <class Bsdf>
 void add_from_surfaces(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, Vec3f throughput,
-                       float lobe, Vec2f u, Tile& tile) {
-  if (!c.cache) return;
+                       float lobe, Vec2f u, const LightCache::Known* known, Tile& tile) {
+  if (!known) return;
   const BsdfSample next = bsdf.sample(lobe, u.x, u.y);
   if (next.enters || !(next.pdf > 0)) return;
   throughput *= next.value / next.pdf;
@@ -313,8 +312,8 @@ void add_from_surfaces(const PathContext& c, const SurfacePoint& point, const Bs
     // A highlight shows what stands in its direction.
     const int cell = DirectionCells::of(next.wi);
     const float share = c.cache->blocked_share(corners, weights, point.is_back);
-    if (tile.known.free[cell] || !(share > 0)) return;
-    throughput *= (tile.known.maybe[cell] ? 0.5f : 1.0f) / share;
+    if (known->free[cell] || !(share > 0)) return;
+    throughput *= (known->maybe[cell] ? 0.5f : 1.0f) / share;
   }
   for (size_t l = 0; l < c.lights.size(); ++l)
     add(throughput * c.cache->from_surfaces(corners, weights, point.is_back, l), tile.radiance[l], tile);
@@ -344,7 +343,7 @@ void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, 
   if (ends) split = split.without_reflections();
   const LightCache::Known* known = known_at(c, point, tile);
   sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, known, tile);
-  if (ends) add_from_surfaces(c, point, bsdf, state.throughput, across_and_lobe.y, u, tile);
+  if (ends) add_from_surfaces(c, point, bsdf, state.throughput, across_and_lobe.y, u, known, tile);
   const auto branch = [&](int k, int n) {
     PathState one = state;
     one.throughput *= 1 / static_cast<float>(n);
@@ -394,7 +393,7 @@ void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile)
   const Split split = ends ? Split().without_reflections() : Split();
   const LightCache::Known* known = known_at(c, point, tile);
   sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, known, tile);
-  if (ends) add_from_surfaces(c, point, bsdf, state.throughput, across_and_lobe.y, u, tile);
+  if (ends) add_from_surfaces(c, point, bsdf, state.throughput, across_and_lobe.y, u, known, tile);
   if (ends && !walks_under) return;
   const BsdfSample next = bsdf.sample(across_and_lobe.y, u.x, u.y);
   if (next.enters) {

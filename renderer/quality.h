@@ -18,8 +18,8 @@ enum class Quality {
 /// What is rendered with. A limit that is above what the model or the settings have changes nothing.
 struct Needs {
   bool subsurface = true;  // false: skin reflects diffusely
-  bool shadow_rays =
-      true;  // false: a cache at the vertices knows most shadows, and what surfaces send each other
+  /// false: a cache at the vertices knows most shadows, and what surfaces send each other.
+  bool shadow_rays = true;
   int max_bounces = 1 << 20;
   int environment_px = 1 << 20;  // largest width, by halving
   int map_px = 1 << 20;          // largest width of the model's maps, by halving
@@ -28,8 +28,7 @@ constexpr Needs kFastNeeds{false, true, 1, 256, 1024};
 
 /// One thing that was tried to be left out, together with all that was left out before it.
 struct Omission {
-  std::string
-      what;  // "environments at 256 px", "subsurface", "shadow rays and bounces where a cache knows them"
+  std::string what;  // "environments at 256 px", "subsurface", "bounces beyond 1", "maps at 512 px" ...
   /// Relative change of the light's image that changes most: the root of sum of (expected difference)^2 / sum
   /// of (expected value)^2 over the subject, and the ends of its 98 % confidence interval.
   double error = 0, low = 0, high = 0;

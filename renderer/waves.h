@@ -88,7 +88,7 @@ void leave_walks(const PathContext& c, Tile& tile) {
     sample_lights(c, point, bsdf, path.state.throughput, path.numbers.light.of(path.k, path.n), split, known,
                   tile);
     const Vec2f u = lattice_point(path.numbers.direction, path.k, path.n);
-    if (ends) add_from_surfaces(c, point, bsdf, path.state.throughput, 0, u, tile);
+    if (ends) add_from_surfaces(c, point, bsdf, path.state.throughput, 0, u, known, tile);
     if (!ends && bounce_off(c, point, bsdf.sample(0, u.x, u.y), split.worth, path.state))
       send_on(known, path.state, tile);
   }

@@ -1,5 +1,4 @@
 // Reads a MODEL folder and checks everything in it.
-
 #include <cmath>
 #include <cstring>
 #include <exception>

@@ -1,5 +1,4 @@
 // Writes a MODEL folder.
-
 #include <algorithm>
 #include <cctype>
 #include <cstring>
