@@ -66,6 +66,71 @@ struct BsdfValue8 {
   Float8 pdf = 0;
 };
 
+/// fresnel_dielectric of eight cosines.
+inline Float8 fresnel_dielectric(Float8 c, float eta) {
+  const Float8 zero = 0, one = 1;
+  c = abs(c);
+  const Float8 g2 = eta * eta - 1 + c * c, g = sqrt(stdx::max(zero, g2));
+  const Float8 a = (g - c) / (g + c), b = (c * (g + c) - 1) / (c * (g - c) + 1);
+  return select(g2 > zero, 0.5f * a * a * (1 + b * b), one);
+}
+
+inline Vec3f8 halfway(Vec3f wo, const Vec3f8& wi) {
+  const Vec3f8 sum{wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
+  const Float8 scale = 1 / sqrt(dot(sum, sum));
+  return {scale * sum.x, scale * sum.y, scale * sum.z};
+}
+
+/// Numbers that eight directions are drawn with.
+struct Numbers8 {
+  Float8 u0, x, y, height;  // choice of lobe; sample_disk(), and what is left of 1 above it
+
+  Numbers8(int count, const float* choice, const Vec2f* u) {
+    const auto lanes = [&](auto value) {
+      return Float8([&](auto k) { return int{k} < count ? value(int{k}) : 0.0f; });
+    };
+    u0 = lanes([&](int k) { return choice[k]; });
+    const Float8 zero = 0, u1 = lanes([&](int k) { return u[k].x; }), radius = sqrt(u1);
+    sine_cosine_of_turns(lanes([&](int k) { return u[k].y; }), y, x);
+    x *= radius, y *= radius;
+    height = sqrt(stdx::max(zero, 1 - u1));
+  }
+  /// sample_cosine_hemisphere
+  Vec3f8 cosine_hemisphere() const { return {x, y, height}; }
+  /// wo mirrored by facets, which sample_ggx_visible_normal draws.
+  Vec3f8 mirrored_by_facets(const Frame& frame, Vec3f wo, float alpha) const {
+    const Float8 zero = 0;
+    const GgxView view(frame.to_local(wo), alpha);
+    const Float8 y_seen = (1 - view.blend) * sqrt(stdx::max(zero, 1 - x * x)) + view.blend * y;
+    const Float8 z = sqrt(stdx::max(zero, 1 - x * x - y_seen * y_seen));
+    const auto along = [&](int axis) {
+      return x * view.t1[axis] + y_seen * view.t2[axis] + z * view.v[axis];
+    };
+    const Vec3f8 local{alpha * along(0), alpha * along(1), stdx::max(Float8(1e-6f), along(2))};
+    const Float8 scale = 1 / sqrt(dot(local, local));
+    const Vec3f8 h = to_world(frame, {scale * local.x, scale * local.y, scale * local.z});
+    const Float8 twice = 2 * dot(wo, h);
+    return {twice * h.x - wo.x, twice * h.y - wo.y, twice * h.z - wo.z};
+  }
+};
+
+/// The first `count` of eight.
+inline void store(int count, const Vec3f8& wi, const BsdfValue8& f, Mask8 enters, float entry_share,
+                  Mask8 is_diffuse, Mask8 is_hidden_highlight, BsdfSample* samples) {
+  for (int k = 0; k < count; ++k) {
+    samples[k] = {};
+    samples[k].enters = enters[k];
+    samples[k].pdf = entry_share;
+    if (enters[k]) continue;
+    samples[k] = {{wi.x[k], wi.y[k], wi.z[k]},
+                  {f.value.x[k], f.value.y[k], f.value.z[k]},
+                  f.pdf[k],
+                  false,
+                  is_diffuse[k],
+                  is_hidden_highlight[k]};
+  }
+}
+
 /// From roughness 0.3 on a highlight is wide enough to be found by the lights' own directions.
 constexpr float kRoughAlpha2 = 0.0081f;
 
@@ -110,34 +175,10 @@ class PrincipledV1 {
 
   /// eval() of eight directions.
   BsdfValue8 eval(const Vec3f8& wi) const {
-    const Float8 zero = 0, one = 1;
+    const Float8 zero = 0;
     const Float8 cos_i = dot(n_, wi);
     const Mask8 is_above = cos_i > zero;
-    Float8 diffuse = 0, specular = 0, pdf = 0;
-    if (has_diffuse_) {
-      diffuse = diffuse_eight(wi, cos_i);
-      pdf = diffuse_share_ * kInvPi * cos_i;
-    }
-    if (has_specular_ && alpha2_ > cycles::kMirrorAlpha2) {
-      const Vec3f8 sum{wi.x + wo_.x, wi.y + wo_.y, wi.z + wo_.z};
-      const Float8 scale = 1 / sqrt(dot(sum, sum));
-      const Vec3f8 h{scale * sum.x, scale * sum.y, scale * sum.z};
-      const Float8 cos_h = dot(n_, h);
-      const Vec3f8 sine = cross(n_, h);
-      const Float8 t = alpha2_ * cos_h * cos_h + dot(sine, sine);
-      const Float8 common = ggx_g1(cos_o_, alpha2_) * alpha2_ * kInvPi / (4 * cos_o_) / (t * t);
-      const Float8 cos2_i = cos_i * cos_i;
-      const Float8 g1 = 2 / (1 + sqrt(1 + alpha2_ * max(zero, 1 - cos2_i) / cos2_i));
-      const Float8 c = abs(dot(wi, h)), g = sqrt(max(zero, eta_ * eta_ - 1 + c * c));
-      const Float8 a = (g - c) / (g + c), b = (c * (g + c) - 1) / (c * (g - c) + 1);
-      const Float8 fresnel = select(g > zero, 0.5f * a * a * (1 + b * b), one);
-      const Mask8 counts = dot(ns_, wi) > zero && cos_h > zero;
-      specular = select(counts, fresnel * common * g1, zero);
-      pdf += select(counts, specular_share() * common, zero);
-    }
-    diffuse = select(is_above, diffuse, zero), specular = select(is_above, specular, zero);
-    return {{base_.x * diffuse + specular, base_.y * diffuse + specular, base_.z * diffuse + specular},
-            select(is_above, pdf, zero)};
+    return eval_lobes(wi, cos_i, is_above, is_above && dot(ns_, wi) > zero);
   }
 
   /// A direction of the mixture. u0 chooses the lobe.
@@ -167,6 +208,31 @@ class PrincipledV1 {
     result.pdf = value.pdf;
     result.is_hidden_highlight = specular_chosen && !(dot(n_, result.wi) > 0 && dot(ns_, result.wi) > 0);
     return result;
+  }
+
+  /// sample() of up to eight numbers: those of the lobes, and of the directions.
+  void sample(int count, const float* u0, const Vec2f* u, BsdfSample* samples) const {
+    if (has_specular_ && alpha2_ <= cycles::kMirrorAlpha2) {
+      for (int k = 0; k < count; ++k) samples[k] = sample(u0[k], u[k].x, u[k].y);
+      return;
+    }
+    const Numbers8 numbers(count, u0, u);
+    const Float8 zero = 0;
+    const Mask8 enters = numbers.u0 < Float8(entry_share_), has_highlight(has_specular_),
+                has_diffuse(has_diffuse_),
+                is_specular = has_highlight && !enters &&
+                              !(has_diffuse && numbers.u0 < Float8(entry_share_ + diffuse_share_)),
+                is_diffuse = has_diffuse && !enters && !is_specular;
+    const Frame frame(n_);
+    Vec3f8 wi = to_world(frame, numbers.cosine_hemisphere());
+    if (stdx::any_of(is_specular))
+      wi = select(is_specular, numbers.mirrored_by_facets(frame, wo_, std::sqrt(alpha2_)), wi);
+    const Float8 cos_i = dot(n_, wi);
+    const Mask8 is_above = cos_i > zero, is_seen = is_above && dot(ns_, wi) > zero;
+    const BsdfValue8 f = eval_lobes(wi, cos_i, is_above, is_seen || is_specular);
+    const Mask8 is_left = dot(ng_, wi) > zero && (is_specular || is_diffuse);
+    store(count, wi, {f.value, select(is_left, f.pdf, zero)}, enters, entry_share_, is_diffuse,
+          is_specular && !is_seen, samples);
   }
 
   /// No lobe is too narrow to be left to the lights' own directions.
@@ -236,6 +302,30 @@ class PrincipledV1 {
     return value * base_;
   }
 
+  // Diffuse light of the directions that are `above`, highlights where they `shine`.
+  BsdfValue8 eval_lobes(const Vec3f8& wi, Float8 cos_i, Mask8 above, Mask8 shine) const {
+    const Float8 zero = 0;
+    Float8 diffuse = 0, specular = 0, pdf = 0;
+    if (has_diffuse_) {
+      diffuse = select(above, diffuse_eight(wi, cos_i), zero);
+      pdf = select(above, diffuse_share_ * kInvPi * cos_i, zero);
+    }
+    if (has_specular_ && alpha2_ > cycles::kMirrorAlpha2) {
+      const Vec3f8 h = halfway(wo_, wi);
+      const Float8 cos_h = dot(n_, h);
+      // 1 - cos^2 as |n x h|^2 (Lagrange's identity): the difference would cancel at small roughness.
+      const Vec3f8 sine = cross(n_, h);
+      const Float8 t = alpha2_ * cos_h * cos_h + dot(sine, sine);
+      const Float8 common = ggx_g1(cos_o_, alpha2_) * alpha2_ * kInvPi / (4 * cos_o_) / (t * t);
+      const Float8 cos2_i = cos_i * cos_i;
+      const Float8 g1 = 2 / (1 + sqrt(1 + alpha2_ * max(zero, 1 - cos2_i) / cos2_i));
+      const Mask8 counts = shine && cos_h > zero;
+      specular = select(counts, fresnel_dielectric(dot(wi, h), eta_) * common * g1, zero);
+      pdf += select(counts, specular_share() * common, zero);
+    }
+    return {{base_.x * diffuse + specular, base_.y * diffuse + specular, base_.z * diffuse + specular}, pdf};
+  }
+
   // diffuse() over base_ for directions above n_.
   Float8 diffuse_eight(const Vec3f8& wi, Float8 cos_i) const {
     const Float8 zero = 0, one = 1;
@@ -274,7 +364,6 @@ class PrincipledV1 {
     const Vec3f h = normalised(wi + wo_);
     const float cos_h = dot(n_, h);
     if (!(cos_h > 0)) return;
-    // 1 - cos^2 as |n x h|^2 (Lagrange's identity): the difference would cancel at small roughness.
     const Vec3f sine = cross(n_, h);
     const float t = alpha2_ * cos_h * cos_h + dot(sine, sine);
     const float d = alpha2_ * kInvPi / (t * t);

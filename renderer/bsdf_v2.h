@@ -55,15 +55,10 @@ class PrincipledV2 {
     return result;
   }
 
-  /// eval() of eight directions, one after the other.
+  /// eval() of eight directions.
   BsdfValue8 eval(const Vec3f8& wi) const {
-    BsdfValue8 result{};
-    for (int k = 0; k < 8; ++k) {
-      const BsdfValue one = eval(Vec3f{wi.x[k], wi.y[k], wi.z[k]});
-      result.value.x[k] = one.value.x, result.value.y[k] = one.value.y, result.value.z[k] = one.value.z;
-      result.pdf[k] = one.pdf;
-    }
-    return result;
+    const Float8 zero = 0, cos_i = dot(n_valid_, wi);
+    return eval_lobes(wi, cos_i, cos_i > zero && dot(ns_, wi) >= zero);
   }
 
   /// A direction of the mixture. u0 chooses the lobe.
@@ -103,6 +98,32 @@ class PrincipledV2 {
     result.is_hidden_highlight =
         !result.is_diffuse && !(dot(n_valid_, result.wi) > 0 && dot(ns_, result.wi) >= 0);
     return result;
+  }
+
+  /// sample() of up to eight numbers: those of the lobes, and of the directions.
+  void sample(int count, const float* u0, const Vec2f* u, BsdfSample* samples) const {
+    if (specular_share_ > 0 && alpha2_ <= cycles::kMirrorAlpha2V2) {
+      for (int k = 0; k < count; ++k) samples[k] = sample(u0[k], u[k].x, u[k].y);
+      return;
+    }
+    const Numbers8 numbers(count, u0, u);
+    const Float8 zero = 0, below_share = diffuse_share_ + medium_share_, lobe = numbers.u0 - entry_share_;
+    const Mask8 enters = numbers.u0 < Float8(entry_share_), has_highlight(specular_share_ > 0),
+                is_diffuse = !enters && below_share > zero && (lobe < below_share || !has_highlight),
+                is_specular = !enters && !is_diffuse && has_highlight;
+    const Frame frame(n_valid_);
+    const Vec3f8 of_medium = to_world(frame, numbers.cosine_hemisphere());
+    Vec3f8 wi = of_medium;
+    if (diffuse_share_ > 0)
+      wi = select(lobe < Float8(diffuse_share_), to_world(Frame(n_), numbers.cosine_hemisphere()), wi);
+    if (stdx::any_of(is_specular))
+      wi = select(is_specular, numbers.mirrored_by_facets(frame, wo_, std::sqrt(alpha2_)), wi);
+    const Float8 cos_i = dot(n_valid_, wi);
+    const Mask8 is_seen = cos_i > zero && dot(ns_, wi) >= zero;
+    const BsdfValue8 f = eval_lobes(wi, cos_i, is_seen || is_specular);
+    const Mask8 is_left = dot(ng_, wi) > zero && (is_specular || is_diffuse);
+    store(count, wi, {f.value, select(is_left, f.pdf, zero)}, enters, entry_share_, is_diffuse,
+          is_specular && !is_seen, samples);
   }
 
   /// As in v1.
@@ -210,6 +231,48 @@ class PrincipledV2 {
     const float value = scale_ * fresnel(dot(wi, h)) * common / (1 + lambda_o + lambda_i);
     result.value += Vec3f{value, value, value};
     result.pdf += specular_share_ * common / (1 + lambda_o);
+  }
+
+  // What is below the layer, and the layer's highlights where they `shine`.
+  BsdfValue8 eval_lobes(const Vec3f8& wi, Float8 cos_i, Mask8 shine) const {
+    const Float8 zero = 0, one = 1;
+    BsdfValue8 result{{0, 0, 0}, 0};
+    if (diffuse_share_ > 0) add_lambert(n_, diffuse_, diffuse_share_, wi, result);
+    if (medium_share_ > 0) add_lambert(n_valid_, medium_, medium_share_, wi, result);
+    if (!(specular_share_ > 0) || alpha2_ <= cycles::kMirrorAlpha2V2) return result;
+    const Vec3f8 h = halfway(wo_, wi);
+    const Float8 cos_h = dot(n_valid_, h);
+    const Vec3f8 sine = cross(n_valid_, h);
+    const Float8 t = alpha2_ * cos_h * cos_h + dot(sine, sine);
+    const Float8 common = alpha2_ * kInvPi / (4 * cos_o_) / (t * t);
+    const float lambda_o = ggx_lambda(cos_o_, alpha2_);
+    const Float8 lambda_i = 0.5f * (sqrt(1 + alpha2_ * stdx::max(zero, 1 / (cos_i * cos_i) - 1)) - 1);
+    const Float8 relative = (fresnel_dielectric(dot(wi, h), eta_) - real_f0_) / (1 - real_f0_);
+    const Float8 fresnel = f0_ + (1 - f0_) * stdx::min(one, stdx::max(zero, relative));
+    const Mask8 counts = shine && cos_h > zero;
+    const Float8 value = select(counts, scale_ * fresnel * common / (1 + lambda_o + lambda_i), zero);
+    result.value.x += value, result.value.y += value, result.value.z += value;
+    result.pdf += select(counts, specular_share_ / (1 + lambda_o) * common, zero);
+    return result;
+  }
+
+  void add_lambert(Vec3f n, Vec3f albedo, float share, const Vec3f8& wi, BsdfValue8& result) const {
+    const Float8 zero = 0, one = 1, cos_i = dot(n, wi);
+    const Float8 lambert = kInvPi * stdx::max(cos_i, zero);
+    result.pdf += share * lambert;
+    Float8 value = lambert;
+    if (n.x != ns_.x || n.y != ns_.y || n.z != ns_.z) {
+      // cycles::bump_terminator_v2
+      const float cos_tilt = dot(ns_, n);
+      const Float8 c = dot(ns_, wi), size = abs(c);
+      const float alpha2 = std::clamp(0.125f * (1 / (cos_tilt * cos_tilt) - 1), 0.0f, 1.0f);
+      Float8 factor = 2 / (1 + sqrt(1 + alpha2 * (1 / (c * c) - 1)));
+      factor = select(size < Float8(1e-6f), zero, factor);
+      factor = select(Mask8(std::fabs(cos_tilt) >= 1) || size >= one, one, factor);
+      value *= select(c * cos_tilt * cos_i < zero, zero, factor);
+    }
+    result.value.x += albedo.x * value, result.value.y += albedo.y * value;
+    result.value.z += albedo.z * value;
   }
 
   BsdfSample sample_mirror() const {

@@ -13,6 +13,7 @@ namespace stdx = std::experimental;
 
 using Float8 = stdx::simd<float, stdx::simd_abi::deduce_t<float, 8>>;
 using Mask8 = Float8::mask_type;
+using Float4 = stdx::simd<float, stdx::simd_abi::deduce_t<float, 4>>;
 
 struct Vec3f8 {
   Float8 x, y, z;
@@ -32,6 +33,15 @@ inline Vec3f8 cross(Vec3f a, const Vec3f8& b) {
 inline Float8 select(Mask8 yes, Float8 a, Float8 b) {
   stdx::where(yes, b) = a;
   return b;
+}
+
+inline Vec3f8 select(Mask8 yes, const Vec3f8& a, const Vec3f8& b) {
+  return {select(yes, a.x, b.x), select(yes, a.y, b.y), select(yes, a.z, b.z)};
+}
+inline Vec3f8 to_world(const Frame& frame, const Vec3f8& v) {
+  return {v.x * frame.s.x + v.y * frame.t.x + v.z * frame.n.x,
+          v.x * frame.s.y + v.y * frame.t.y + v.z * frame.n.y,
+          v.x * frame.s.z + v.y * frame.t.z + v.z * frame.n.z};
 }
 
 using Int8 = stdx::rebind_simd_t<int32_t, Float8>;

@@ -6,6 +6,7 @@
 
 #include "renderer/sampling.h"
 #include "renderer/scene.h"
+#include "renderer/shadow_guess.h"
 
 namespace ohb {
 
@@ -166,6 +167,8 @@ struct WaitingLight {
   float t_far;  // cm; infinite for environments
   Vec3f value;
   uint32_t light;
+  float expected = 0;          // the share of it that is counted already
+  SeenShares* seen = nullptr;  // hears what the ray finds
 };
 
 /// Shares of up to eight lights' values that arrive: 0 behind anything opaque.

@@ -4,6 +4,7 @@
 
 #include "dataset/model/parallel.h"
 #include "renderer/cycles_model.h"
+#include "renderer/eight.h"
 
 namespace ohb {
 namespace {
@@ -95,17 +96,11 @@ void EnvironmentLight::prefetch(MapPlace place) const {
 
 EnvironmentValue EnvironmentLight::at(MapPlace place) const {
   const Gather g = gather(place.uv);
-  EnvironmentValue value;
-  const auto add = [&](const Texel& texel, float weight) {
-    value.radiance += weight * texel.radiance;
-    value.pdf += weight * texel.density;
-  };
-  add(g.row0[g.x0], (1 - g.fx) * (1 - g.fy));
-  add(g.row0[g.x1], g.fx * (1 - g.fy));
-  add(g.row1[g.x0], (1 - g.fx) * g.fy);
-  add(g.row1[g.x1], g.fx * g.fy);
-  value.pdf /= std::max(place.sin_theta, 1e-6f);
-  return value;
+  const auto four = [](const Texel& texel) { return same_bits<Float4>(texel); };
+  const Float4 row0 = four(g.row0[g.x0]) + g.fx * (four(g.row0[g.x1]) - four(g.row0[g.x0])),
+               row1 = four(g.row1[g.x0]) + g.fx * (four(g.row1[g.x1]) - four(g.row1[g.x0]));
+  const Texel texel = same_bits<Texel>(row0 + g.fy * (row1 - row0));
+  return {texel.radiance, texel.density / std::max(place.sin_theta, 1e-6f)};
 }
 
 LightSample EnvironmentLight::sample(float u1, float u2) const {

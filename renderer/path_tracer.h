@@ -11,6 +11,7 @@
 #include "renderer/light_cache.h"
 #include "renderer/lights.h"
 #include "renderer/random_walk.h"
+#include "renderer/shadow_guess.h"
 #include "renderer/surface.h"
 
 namespace ohb {
@@ -96,6 +97,7 @@ struct Tile {
   std::vector<WalkingPath> walking;   // who makes them
   std::deque<WalkMedium> media;       // that they go through
   Vec3f* radiance = nullptr;          // of the pixel at work, one a light
+  ShadowGuess* guess = nullptr;       // of the pixel at work; null: none
   LightCache::Known known{};          // of the surface at work
   RayCounts rays;
   uint64_t paths = 0;
@@ -155,31 +157,32 @@ struct Split {
   }
 };
 
-/// Those of eight directions that the cache does not know. What comes from free ones is added: it takes no
-/// ray.
-inline Mask8 add_known(const LightCandidates& candidates, const LightCache::Known& known, const Vec3f8& value,
-                       Mask8 shines, Vec3f& radiance, Tile& tile) {
+/// What is thought of eight directions before rays are sent.
+inline Expected8 expect(const LightCandidates& candidates, const LightCache::Known* known,
+                        const ShadowGuess* guess) {
   constexpr int kCount = LightCandidates::kCount;
-  alignas(32) float free[kCount], unknown[kCount];
-  for (int k = 0; k < kCount; ++k) {
-    free[k] = known.free[candidates.cell[k]] ? 1.0f : 0.0f;
-    unknown[k] = known.maybe[candidates.cell[k]] ? 1.0f - free[k] : 0.0f;
+  Expected8 expected;
+  if (guess) expected = guess->expect(candidates.cell);
+  if (known) {
+    alignas(32) float free[kCount], unknown[kCount];
+    for (int k = 0; k < kCount; ++k) {
+      free[k] = known->free[candidates.cell[k]] ? 1.0f : 0.0f;
+      unknown[k] = known->maybe[candidates.cell[k]] ? 1.0f - free[k] : 0.0f;
+    }
+    const Float8 asks(unknown, stdx::vector_aligned);
+    expected.share = Float8(free, stdx::vector_aligned) + asks * expected.share;
+    expected.doubt *= asks;
   }
-  const Float8 zero = 0;
-  const Mask8 is_free = shines && Float8(free, stdx::vector_aligned) > zero;
-  const auto mean_of_free = [&](Float8 v) {
-    return stdx::reduce(select(is_free, v, zero)) * (1.0f / kCount);
-  };
-  add({mean_of_free(value.x), mean_of_free(value.y), mean_of_free(value.z)}, radiance, tile);
-  return Float8(unknown, stdx::vector_aligned) > zero;
+  return expected;
 }
 
-/// Shadow rays to some of the directions that environment `l` suggests, chosen by what each would bring if it
-/// is not shadowed (resampled importance sampling, Talbot et al. 2005, equation 6).
+/// What is expected to arrive from the directions that environment `l` suggests, and shadow rays to some of
+/// them, chosen by how far off each may be (resampled importance sampling, Talbot et al. 2005, equation 6);
+/// where nothing is expected, by what it would bring.
 template <class Bsdf>
 void sample_environment(const PathContext& c, size_t l, const SurfacePoint& point, const Bsdf& bsdf,
                         Vec3f throughput, const LightNumbers& u, const Split& split,
-                        const LightCache::Known* known, Tile& tile) {
+                        const LightCache::Known* known, ShadowGuess* guess, Tile& tile) {
   constexpr int kCount = LightCandidates::kCount;
   const LightCandidates& candidates = tile.pools[l].at({u.along.y, u.across});
   const auto eight = [](const float* values) { return Float8(values, stdx::vector_aligned); };
@@ -189,41 +192,55 @@ void sample_environment(const PathContext& c, size_t l, const SurfacePoint& poin
   const BsdfValue8 f = bsdf.eval(wi);
   // The power heuristic over the pdf.
   const Float8 ratio = f.pdf / (split.worth * pdf), scale = 1 / (pdf * (1 + ratio * ratio));
-  const Vec3f8 value{throughput.x * f.value.x * light.x * scale, throughput.y * f.value.y * light.y * scale,
-                     throughput.z * f.value.z * light.z * scale};
   const Float8 zero = 0;
-  Mask8 is_asked = pdf > zero;
-  if (known) is_asked = is_asked && add_known(candidates, *known, value, is_asked, tile.radiance[l], tile);
-  const Float8 weight = select(is_asked, (value.x + value.y + value.z) * (1.0f / 3), zero);
+  const Mask8 shines = pdf > zero;
+  const auto shining = [&](Float8 v) { return select(shines, v, zero); };
+  const Vec3f8 value{shining(throughput.x * f.value.x * light.x * scale),
+                     shining(throughput.y * f.value.y * light.y * scale),
+                     shining(throughput.z * f.value.z * light.z * scale)};
+  const Float8 size = (value.x + value.y + value.z) * (1.0f / 3);
+  const float whole = stdx::reduce(size);
+  if (!std::isfinite(whole)) ++tile.nonfinite;
+  if (!(whole > 0) || !std::isfinite(whole)) return;
+  float rays = static_cast<float>(split.picks);
+  Expected8 expected;
+  if (known || guess) {
+    expected = expect(candidates, known, guess);
+    const auto mean_expected = [&](Float8 v) { return stdx::reduce(expected.share * v) * (1.0f / kCount); };
+    add({mean_expected(value.x), mean_expected(value.y), mean_expected(value.z)}, tile.radiance[l], tile);
+  }
+  const Float8 weight = size * expected.doubt;
   alignas(32) float sums[kCount];
   float sum = 0;
   for (int k = 0; k < kCount; ++k) sums[k] = sum += weight[k];
-  if (!std::isfinite(sum)) ++tile.nonfinite;
-  if (!(sum > 0) || !std::isfinite(sum)) return;
+  if (!(sum > 0)) return;
+  if (guess) rays *= ShadowGuess::rays(sum / whole);
   const Float8 steps(sums, stdx::vector_aligned);
-  const auto picks = static_cast<float>(split.picks);
-  for (int pick = 0; pick < split.picks; ++pick) {
-    const Float8 place = (u.along.x + static_cast<float>(pick)) / picks * sum;
-    const int chosen = std::min(stdx::popcount(steps <= place), kCount - 1);
+  const float step = sum / rays;
+  for (float place = u.along.x * step; place < sum; place += step) {
+    const int chosen = std::min(stdx::popcount(steps <= Float8(place)), kCount - 1);
     const float chosen_weight = weight[chosen];
     if (!(chosen_weight > 0)) continue;
     const Vec3f chosen_wi{candidates.wi_x[chosen], candidates.wi_y[chosen], candidates.wi_z[chosen]};
     const Vec3f chosen_value{value.x[chosen], value.y[chosen], value.z[chosen]};
     tile.waiting.push_back({{ray_origin(c.scene, point.position, point.ng, chosen_wi), chosen_wi},
                             std::numeric_limits<float>::infinity(),
-                            chosen_value * (sum / (chosen_weight * static_cast<float>(kCount) * picks)),
-                            static_cast<uint32_t>(l)});
+                            chosen_value * (step / (chosen_weight * static_cast<float>(kCount))),
+                            static_cast<uint32_t>(l),
+                            expected.share[chosen],
+                            guess ? &guess->at(candidates.cell[chosen]) : nullptr});
   }
 }
 
 template <class Bsdf>
 void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, Vec3f throughput,
-                   const LightNumbers& u, const Split& split, const LightCache::Known* known, Tile& tile) {
+                   const LightNumbers& u, const Split& split, const LightCache::Known* known,
+                   ShadowGuess* guess, Tile& tile) {
   // One set of numbers for all lights: each light's image is unbiased by itself.
   const Vec3f share = throughput / static_cast<float>(split.groups);
   for (size_t l = 0; l < c.lights.environments.size(); ++l)
     for (int k = 0; k < split.groups; ++k)
-      sample_environment(c, l, point, bsdf, share, u.of(k, split.groups), split, known, tile);
+      sample_environment(c, l, point, bsdf, share, u.of(k, split.groups), split, known, guess, tile);
   for (size_t i = 0; i < c.lights.points.size(); ++i) {
     const PointLight& light = c.lights.points[i];
     const Vec3f to_light = turn_about_y(light.position_cm, -c.turn_rad) - point.position;
@@ -236,7 +253,9 @@ void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& 
     tile.waiting.push_back({{ray_origin(c.scene, point.position, point.ng, wi), wi},
                             distance_cm,
                             throughput * f.value * (light.intensity / (distance_m * distance_m)),
-                            static_cast<uint32_t>(c.lights.environments.size() + i)});
+                            static_cast<uint32_t>(c.lights.environments.size() + i),
+                            0,
+                            nullptr});
   }
 }
 
@@ -248,8 +267,11 @@ void ask_shadows(const PathContext& c, Tile& tile, Vec3f* radiance) {
     const WaitingLight* lights = &tile.waiting[i];
     const int count = static_cast<int>(std::min<size_t>(8, tile.waiting.size() - i));
     transmittances<kCutouts>(c.scene, lights, count, tile.rays, shares);
-    for (int k = 0; k < count; ++k)
-      if (shares[k] > 0) add(shares[k] * lights[k].value, radiance[lights[k].light], tile);
+    for (int k = 0; k < count; ++k) {
+      if (lights[k].seen) lights[k].seen->add(shares[k]);
+      const float unexpected = shares[k] - lights[k].expected;
+      if (unexpected != 0) add(unexpected * lights[k].value, radiance[lights[k].light], tile);
+    }
   }
   tile.waiting.clear();
 }
@@ -342,7 +364,7 @@ void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, 
   const bool ends = ends_at(c, state, bsdf);
   if (ends) split = split.without_reflections();
   const LightCache::Known* known = known_at(c, point, tile);
-  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, known, tile);
+  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, known, tile.guess, tile);
   if (ends) add_from_surfaces(c, point, bsdf, state.throughput, across_and_lobe.y, u, known, tile);
   const auto branch = [&](int k, int n) {
     PathState one = state;
@@ -350,12 +372,19 @@ void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, 
     one.random = sampler.random.branch(static_cast<uint64_t>(k));
     return one;
   };
+  static_assert(std::max({kRoughReflections, kNarrowReflections, kWalkReflections, kHighlightReflections}) <=
+                8);
+  float lobes[8];
+  Vec2f directions[8];
+  BsdfSample next[8];
   for (int k = 0; k < split.reflections; ++k) {
-    const Vec2f direction = lattice_point(u, k, split.reflections);
-    const float lobe = (static_cast<float>(k) + across_and_lobe.y) / static_cast<float>(split.reflections);
-    const BsdfSample next = bsdf.sample(lobe, direction.x, direction.y);
+    directions[k] = lattice_point(u, k, split.reflections);
+    lobes[k] = (static_cast<float>(k) + across_and_lobe.y) / static_cast<float>(split.reflections);
+  }
+  if (split.reflections > 0) bsdf.sample(split.reflections, lobes, directions, next);
+  for (int k = 0; k < split.reflections; ++k) {
     PathState one = branch(k, split.reflections);
-    if (!next.enters && bounce_off(c, point, next, split.worth, one)) send_on(known, one, tile);
+    if (!next[k].enters && bounce_off(c, point, next[k], split.worth, one)) send_on(known, one, tile);
   }
   if (!walks_under) return;
   const WalkMedium& medium = tile.media.emplace_back(point.texel);
@@ -392,7 +421,7 @@ void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile)
   const bool ends = ends_at(c, state, bsdf);
   const Split split = ends ? Split().without_reflections() : Split();
   const LightCache::Known* known = known_at(c, point, tile);
-  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, known, tile);
+  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, known, nullptr, tile);
   if (ends) add_from_surfaces(c, point, bsdf, state.throughput, across_and_lobe.y, u, known, tile);
   if (ends && !walks_under) return;
   const BsdfSample next = bsdf.sample(across_and_lobe.y, u.x, u.y);

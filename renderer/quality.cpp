@@ -158,9 +158,9 @@ class Choice {
   }
 
  private:
-  ViewPilots pilots(const Scene& scene, const LightSet& lights, const RenderSettings& settings,
-                    int spp) const {
+  ViewPilots pilots(const Scene& scene, const LightSet& lights, RenderSettings settings, int spp) const {
     const Stopwatch watch;
+    settings.guess_shadows = false;  // or each light, and each variant, would send other rays
     ViewPilots result;
     RenderStatistics statistics;
     for (const QualityView& view : views_) {

@@ -45,6 +45,9 @@ struct RenderSettings {
   /// error for the work. Unbiased: an eighth of the paths are made first, and how many more a pixel gets is
   /// told from its neighbours' alone (continued_budget() in budget.h). From 16 on.
   bool adaptive = false;
+  /// Fewer shadow rays to environments where earlier ones of neighbouring pixels tell what to expect
+  /// (shadow_guess.h). Unbiased either way; single pixels of few paths may come out a little below 0.
+  bool guess_shadows = true;
   /// Instead of shadow rays to environments and of bounces at rough surfaces; null: rays find out.
   std::shared_ptr<const VisibilityCache> visibility;
   ShadingModel shading = ShadingModel::kV1;

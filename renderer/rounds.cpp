@@ -37,7 +37,23 @@ struct PoolBlock {
   static constexpr int kPoolLog2 = 5, kPoolLog2OfMany = 4;  // candidates a sample, measured
 };
 
-/// Pixels of one tile: aligned to the image, so that a crop does not change who shares a pool.
+/// The guesses of one tile, one a block of pixels; by class, one a class of them.
+class Guesses {
+ public:
+  explicit Guesses(bool by_class)
+      : classes_(by_class ? kPixelClasses : 1), guesses_(static_cast<size_t>(kBlocks * kBlocks * classes_)) {}
+  ShadowGuess& at(int x, int y) {
+    const int block = y % kTile_px / kGuessBlock_px * kBlocks + x % kTile_px / kGuessBlock_px;
+    return guesses_[static_cast<size_t>(block * classes_ + (classes_ > 1 ? pixel_class(x, y) : 0))];
+  }
+
+ private:
+  static constexpr int kBlocks = kTile_px / kGuessBlock_px;
+  int classes_;
+  std::vector<ShadowGuess> guesses_;
+};
+
+/// Pixels of one tile: aligned to the image, so that a crop does not change who shares a pool or a guess.
 struct TileBox {
   PixelBox pixels;
   uint64_t number;
@@ -62,6 +78,8 @@ Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& 
     for (int y = px.y0; y < px.y1; ++y)
       for (int x = px.x0; x < px.x1; ++x, i += lights) act(x, y, &sums[i]);
   };
+  Guesses guesses(paths.by_class);
+  const bool is_guessing = picture.settings.guess_shadows;
   std::vector<PathSampler> samplers;
   samplers.reserve(kPathsAtOnce);
   uint32_t next = ~0u, end = 0;
@@ -77,13 +95,14 @@ Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& 
       for (size_t l = 0; l < tile.pools.size(); ++l)
         tile.pools[l].fill(picture.context.lights.environments[l], picture.context.turn_rad,
                            std::max(3, (block.log2 + 1) / 2), std::min(block.log2 / 2, block.log2 - 3),
-                           mix_bits(key + box.number) + block.first, picture.cache != nullptr);
+                           mix_bits(key + box.number) + block.first, picture.cache != nullptr || is_guessing);
     };
     const auto begin_paths = [&](int x, int y, Vec3f* sum) {
       const auto [first, last] = range_of(x, y);
       const uint64_t pixel = static_cast<uint64_t>(y) * picture.settings.size_px + x;
       const double work_before = tile.rays.work();
       const uint32_t stop = std::min(last, block.end);
+      tile.guess = is_guessing ? &guesses.at(x, y) : nullptr;
       for (uint32_t s = std::max(first, block.first); s < stop;) {
         samplers.clear();
         for (size_t i = 0; i < kPathsAtOnce && s < stop; ++i, ++s) {
@@ -107,7 +126,9 @@ Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& 
     }
     next = block.end;
   }
+  const PixelBox& box_px = picture.box;
   each_pixel([&](int x, int y, const Vec3f* sum) {
+    if (x < box_px.x0 || x >= box_px.x1 || y < box_px.y0 || y >= box_px.y1) return;
     const auto [first, last] = range_of(x, y);
     tile.paths += last - first;
     if (work)
@@ -138,6 +159,15 @@ std::vector<SampleLight> black_images(const LightSet& lights, int size_px) {
     images.push_back({light.name(), Image(size_px, size_px, 3)});
   for (const PointLight& light : lights.points) images.push_back({light.name, Image(size_px, size_px, 3)});
   return images;
+}
+
+/// The box with all pixels that share a guess with one of its own.
+PixelBox whole_blocks(const PixelBox& box, int size_px) {
+  const auto up = [&](int px) {
+    return std::min(size_px, (px + kGuessBlock_px - 1) / kGuessBlock_px * kGuessBlock_px);
+  };
+  return {box.x0 / kGuessBlock_px * kGuessBlock_px, box.y0 / kGuessBlock_px * kGuessBlock_px, up(box.x1),
+          up(box.y1)};
 }
 
 /// Those of most paths first: the last tiles to end are then short ones, and no thread waits long for
@@ -198,7 +228,8 @@ std::vector<SampleLight> render_round(const Picture& picture, const PathRange& p
   std::mutex record_mutex;
   std::atomic<uint64_t> path_count{0}, closest_hit{0}, shadow{0}, walks{0}, walk_segments{0}, leaks{0},
       nonfinite{0};
-  const std::vector<TileBox> tiles = tiles_of(picture.box, paths.count, picture.settings.size_px);
+  const std::vector<TileBox> tiles =
+      tiles_of(whole_blocks(picture.box, picture.settings.size_px), paths.count, picture.settings.size_px);
   std::atomic<size_t> next{0};
   parallel_for_each(0, static_cast<int>(tiles.size()), [&](int) {
     const size_t t = next++;

@@ -174,17 +174,25 @@ inline Vec3f sample_cosine_hemisphere(float u1, float u2) {
   return {d.x, d.y, std::sqrt(std::max(0.0f, 1 - u1))};
 }
 
+/// What sample_ggx_visible_normal() makes of its view.
+struct GgxView {
+  Vec3f v, t1, t2;
+  float blend;
+  GgxView(Vec3f wo, float alpha) : v(normalised({alpha * wo.x, alpha * wo.y, wo.z})) {
+    const float length2 = v.x * v.x + v.y * v.y;
+    t1 = length2 > 0 ? Vec3f{-v.y, v.x, 0} / std::sqrt(length2) : Vec3f{1, 0, 0};
+    t2 = cross(v, t1);
+    blend = 0.5f * (1 + v.z);
+  }
+};
+
 /// A GGX normal visible from `wo` (local, wo.z > 0), isotropic width alpha. Heitz, "Sampling the GGX
 /// Distribution of Visible Normals", JCGT 2018, with pdf G1(wo) max(0, wo.h) D(h) / wo.z in solid angle of h.
 inline Vec3f sample_ggx_visible_normal(Vec3f wo, float alpha, float u1, float u2) {
-  const Vec3f v = normalised({alpha * wo.x, alpha * wo.y, wo.z});
-  const float length2 = v.x * v.x + v.y * v.y;
-  const Vec3f t1 = length2 > 0 ? Vec3f{-v.y, v.x, 0} / std::sqrt(length2) : Vec3f{1, 0, 0};
-  const Vec3f t2 = cross(v, t1);
+  const GgxView view(wo, alpha);
   Vec2f p = sample_disk(u1, u2);
-  const float blend = 0.5f * (1 + v.z);
-  p.y = (1 - blend) * std::sqrt(std::max(0.0f, 1 - p.x * p.x)) + blend * p.y;
-  const Vec3f h = p.x * t1 + p.y * t2 + std::sqrt(std::max(0.0f, 1 - dot(p, p))) * v;
+  p.y = (1 - view.blend) * std::sqrt(std::max(0.0f, 1 - p.x * p.x)) + view.blend * p.y;
+  const Vec3f h = p.x * view.t1 + p.y * view.t2 + std::sqrt(std::max(0.0f, 1 - dot(p, p))) * view.v;
   return normalised({alpha * h.x, alpha * h.y, std::max(1e-6f, h.z)});
 }
 

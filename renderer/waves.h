@@ -86,7 +86,7 @@ void leave_walks(const PathContext& c, Tile& tile) {
     const Split split = ends ? Split().without_reflections() : Split();
     const LightCache::Known* known = known_at(c, point, tile);
     sample_lights(c, point, bsdf, path.state.throughput, path.numbers.light.of(path.k, path.n), split, known,
-                  tile);
+                  path.state.bounce == 0 ? tile.guess : nullptr, tile);
     const Vec2f u = lattice_point(path.numbers.direction, path.k, path.n);
     if (ends) add_from_surfaces(c, point, bsdf, path.state.throughput, 0, u, known, tile);
     if (!ends && bounce_off(c, point, bsdf.sample(0, u.x, u.y), split.worth, path.state))

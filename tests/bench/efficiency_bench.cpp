@@ -1,5 +1,6 @@
 // What a renderer's minute buys: 1 / (mean squared error x processor time), of one view without loading.
-// usage: efficiency_bench MODEL E.exr[,E.exr...] [SPP [SIZE_PX [adaptive|even [diffuse]]]]
+// usage: efficiency_bench MODEL E.exr[,E.exr...] [SPP [SIZE_PX [adaptive] [diffuse] [unguessed]]]
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
@@ -13,7 +14,8 @@ int main(int argc, char** argv) {
   using namespace ohb;
   if (argc < 3) {
     std::fprintf(
-        stderr, "usage: efficiency_bench MODEL E.exr[,E.exr...] [SPP [SIZE_PX [adaptive|even [diffuse]]]]\n");
+        stderr,
+        "usage: efficiency_bench MODEL E.exr[,E.exr...] [SPP [SIZE_PX [adaptive] [diffuse] [unguessed]]]\n");
     return 2;
   }
   constexpr int kSeeds = 8;
@@ -26,8 +28,12 @@ int main(int argc, char** argv) {
   RenderSettings settings;
   settings.spp = argc > 3 ? std::atoi(argv[3]) : 16;
   settings.size_px = argc > 4 ? std::atoi(argv[4]) : 256;
-  settings.adaptive = argc > 5 && std::string(argv[5]) == "adaptive";
-  settings.subsurface = argc <= 6;
+  const auto says = [&](const char* word) {
+    return std::find(argv + std::min(argc, 5), argv + argc, std::string(word)) != argv + argc;
+  };
+  settings.adaptive = says("adaptive");
+  settings.subsurface = !says("diffuse");
+  settings.guess_shadows = !says("unguessed");
   std::vector<std::vector<float>> images;  // of all lights
   const Stopwatch watch;
   RenderStatistics statistics;
@@ -40,16 +46,20 @@ int main(int argc, char** argv) {
   }
   const double seconds = watch.cpu_s() / kSeeds;
   double error = 0, square = 0;
+  size_t below_0 = 0;
   for (size_t i = 0; i < images[0].size(); ++i) {
     double sum = 0, squares = 0;
     for (const std::vector<float>& values : images)
-      sum += values[i], squares += double{values[i]} * values[i];
+      below_0 += values[i] < 0, sum += values[i], squares += double{values[i]} * values[i];
     error += (squares - sum * sum / kSeeds) / (kSeeds - 1);
     square += sum * sum / kSeeds / kSeeds;
   }
-  std::printf("relative MSE %.4e  processor %.3f s an image  efficiency %.4g  rays a path %.2f\n",
-              error / square, seconds, square / (error * seconds),
-              static_cast<double>(statistics.closest_hit_rays + statistics.shadow_rays) /
-                  static_cast<double>(statistics.paths));
+  std::printf(
+      "relative MSE %.4e  processor %.3f s an image  efficiency %.4g  rays a path %.2f  below 0: %zu of "
+      "%zu\n",
+      error / square, seconds, square / (error * seconds),
+      static_cast<double>(statistics.closest_hit_rays + statistics.shadow_rays) /
+          static_cast<double>(statistics.paths),
+      below_0, kSeeds * images[0].size());
   return 0;
 }

@@ -221,7 +221,8 @@ TEST(Pilots, OfNeighbouringSeedsShareNoImage) {
 }
 
 TEST(PathRange, ClassesHaveLightCandidatesOfTheirOwn) {
-  const Fixture fixture;
+  Fixture fixture;
+  fixture.settings.guess_shadows = false;
   const Picture picture(*fixture.scene, *fixture.lights, fit_camera(fixture.model.positions_cm), 0.3,
                         fixture.settings);
   const std::vector<uint32_t> two = picture.even_budget(2);
@@ -237,6 +238,34 @@ TEST(PathRange, ClassesHaveLightCandidatesOfTheirOwn) {
     }
   EXPECT_EQ(differ[0], 0) << "the first class has those that all would share";
   for (int of = 1; of < kPixelClasses; ++of) EXPECT_GT(differ[of], lit[of] / 2) << of;
+}
+
+TEST(PathRange, WhatOneClassFindsChangesNoOther) {
+  const Fixture fixture;
+  const Picture picture(*fixture.scene, *fixture.lights, fit_camera(fixture.model.positions_cm), 0.3,
+                        fixture.settings);
+  const int size_px = fixture.settings.size_px;
+  const std::vector<uint32_t> all = picture.even_budget(8);
+  RenderStatistics statistics;
+  for (const bool by_class : {true, false}) {
+    const auto together = render_round(picture, {3, all, nullptr, by_class}, statistics, nullptr);
+    for (int of = 0; of < kPixelClasses; ++of) {
+      std::vector<uint32_t> alone = all;
+      for (int y = 0; y < size_px; ++y)
+        for (int x = 0; x < size_px; ++x)
+          if (pixel_class(x, y) != of) alone[static_cast<size_t>(y) * size_px + x] = 0;
+      const auto of_class = render_round(picture, {3, alone, nullptr, by_class}, statistics, nullptr);
+      int differ = 0;
+      for (int y = 0; y < size_px; ++y)
+        for (int x = 0; x < size_px; ++x)
+          if (pixel_class(x, y) == of)
+            differ += together[0].radiance.pixel(x, y)[1] != of_class[0].radiance.pixel(x, y)[1];
+      if (by_class)
+        EXPECT_EQ(differ, 0) << of;
+      else
+        EXPECT_GT(differ, 0) << "pixels guess shadows for their neighbours";
+    }
+  }
 }
 
 TEST(AdaptiveBudget, SameBitsForAnyThreadCount) {
