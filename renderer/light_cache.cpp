@@ -188,6 +188,10 @@ std::vector<Float8> lanes_of_bytes() {
   return lanes;
 }
 
+Float4 padded(Vec3f v) {
+  return Float4([&](auto k) { return int{k} < 3 ? v[int{k}] : 0.0f; });
+}
+
 /// Factor from the sum of some bounces to that of all, if each is as much of the one before as the last two.
 Vec3f further_bounces(Vec3f sum, Vec3f before, Vec3f last) {
   constexpr float kLargestRatio = 0.9f;
@@ -290,7 +294,7 @@ LightCache::LightCache(const VisibilityCache& visibility, const Scene& scene, co
     : visibility_(visibility), lights_(lights.size()) {
   const size_t count = visibility.free.size();
   const std::vector<Vec3f> direct_light = direct(scene, lights, turn_rad);
-  std::vector<Vec3f> leaving(direct_light.size());  // radiance
+  std::vector<Float4> leaving(direct_light.size());  // radiance, and 0: as wide as the processor adds
   from_surfaces_.resize(direct_light.size()), blocked_.resize(2 * count);
   std::vector<float> angles;
   std::vector<Vec3f> centres;
@@ -303,12 +307,11 @@ LightCache::LightCache(const VisibilityCache& visibility, const Scene& scene, co
   for (int bounce = 1; bounce <= std::min(max_bounces, kBounces); ++bounce) {
     each_vertex(count, [&](uint32_t v) {
       for (size_t i = index(v, false, 0); i < index(v + 1, false, 0); ++i)
-        leaving[i] = visibility.reflectance[v] * (kInvPi * direct_light[i] + from_surfaces_[i]);
+        leaving[i] = padded(visibility.reflectance[v] * (kInvPi * direct_light[i] + from_surfaces_[i]));
     });
     each_vertex(count, [&](uint32_t v) {
-      Vec3f* const of_vertex = &from_surfaces_[index(v, false, 0)];
+      std::vector<Float4> of_vertex(2 * lights_, 0);
       float* const blocked = &blocked_[2 * size_t{v}];
-      std::fill(of_vertex, of_vertex + 2 * lights_, Vec3f{0, 0, 0});
       blocked[0] = blocked[1] = 0;
       for (size_t k = 0; k < VisibilityCache::kMet; ++k) {
         const uint32_t met = visibility.met[v][k];
@@ -320,6 +323,8 @@ LightCache::LightCache(const VisibilityCache& visibility, const Scene& scene, co
         for (size_t l = 0; l < lights_; ++l)
           of_vertex[side * lights_ + l] += weight * leaving[size_t{met} * lights_ + l];
       }
+      for (size_t i = 0; i < of_vertex.size(); ++i)
+        from_surfaces_[index(v, false, 0) + i] = {of_vertex[i][0], of_vertex[i][1], of_vertex[i][2]};
     });
     const std::vector<Vec3f> sums_before = sums, step_before = step;
     std::fill(sums.begin(), sums.end(), Vec3f{0, 0, 0});

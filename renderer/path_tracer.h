@@ -178,11 +178,11 @@ inline Expected8 expect(const LightCandidates& candidates, const LightCache::Kno
 
 /// What is expected to arrive from the directions that environment `l` suggests, and shadow rays to some of
 /// them, chosen by how far off each may be (resampled importance sampling, Talbot et al. 2005, equation 6);
-/// where nothing is expected, by what it would bring.
+/// where nothing is expected, by what it would bring. What is expected of the eight is added to `arrives`.
 template <class Bsdf>
 void sample_environment(const PathContext& c, size_t l, const SurfacePoint& point, const Bsdf& bsdf,
                         Vec3f throughput, const LightNumbers& u, const Split& split,
-                        const LightCache::Known* known, ShadowGuess* guess, Tile& tile) {
+                        const LightCache::Known* known, ShadowGuess* guess, Vec3f8& arrives, Tile& tile) {
   constexpr int kCount = LightCandidates::kCount;
   const LightCandidates& candidates = tile.pools[l].at({u.along.y, u.across});
   const auto eight = [](const float* values) { return Float8(values, stdx::vector_aligned); };
@@ -206,18 +206,21 @@ void sample_environment(const PathContext& c, size_t l, const SurfacePoint& poin
   Expected8 expected;
   if (known || guess) {
     expected = expect(candidates, known, guess);
-    const auto mean_expected = [&](Float8 v) { return stdx::reduce(expected.share * v) * (1.0f / kCount); };
-    add({mean_expected(value.x), mean_expected(value.y), mean_expected(value.z)}, tile.radiance[l], tile);
+    arrives = {arrives.x + expected.share * value.x, arrives.y + expected.share * value.y,
+               arrives.z + expected.share * value.z};
   }
   const Float8 weight = size * expected.doubt;
+  const float doubted = stdx::reduce(weight);
+  if (!(doubted > 0)) return;
+  if (guess) rays *= ShadowGuess::rays(doubted / whole);
+  const float step = doubted / rays;
+  float place = u.along.x * step;
+  if (place >= doubted) return;
   alignas(32) float sums[kCount];
   float sum = 0;
   for (int k = 0; k < kCount; ++k) sums[k] = sum += weight[k];
-  if (!(sum > 0)) return;
-  if (guess) rays *= ShadowGuess::rays(sum / whole);
   const Float8 steps(sums, stdx::vector_aligned);
-  const float step = sum / rays;
-  for (float place = u.along.x * step; place < sum; place += step) {
+  for (; place < sum; place += step) {
     const int chosen = std::min(stdx::popcount(steps <= Float8(place)), kCount - 1);
     const float chosen_weight = weight[chosen];
     if (!(chosen_weight > 0)) continue;
@@ -238,9 +241,15 @@ void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& 
                    ShadowGuess* guess, Tile& tile) {
   // One set of numbers for all lights: each light's image is unbiased by itself.
   const Vec3f share = throughput / static_cast<float>(split.groups);
-  for (size_t l = 0; l < c.lights.environments.size(); ++l)
+  for (size_t l = 0; l < c.lights.environments.size(); ++l) {
+    Vec3f8 arrives{0, 0, 0};
     for (int k = 0; k < split.groups; ++k)
-      sample_environment(c, l, point, bsdf, share, u.of(k, split.groups), split, known, guess, tile);
+      sample_environment(c, l, point, bsdf, share, u.of(k, split.groups), split, known, guess, arrives, tile);
+    if (known || guess)
+      add(Vec3f{stdx::reduce(arrives.x), stdx::reduce(arrives.y), stdx::reduce(arrives.z)} /
+              static_cast<float>(LightCandidates::kCount),
+          tile.radiance[l], tile);
+  }
   for (size_t i = 0; i < c.lights.points.size(); ++i) {
     const PointLight& light = c.lights.points[i];
     const Vec3f to_light = turn_about_y(light.position_cm, -c.turn_rad) - point.position;

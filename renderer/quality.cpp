@@ -14,7 +14,7 @@
 namespace ohb {
 namespace {
 
-constexpr int kImages = 16, kFirstSpp = 1, kMostSpp = 16;
+constexpr int kImages = 16, kFirstSpp = 1, kMostSpp = 16, kMostCacheSpp = 64;
 constexpr size_t kPilotPixels = 1024;
 constexpr double kAttemptShare = 1.0 / 64;       // of the job's paths
 constexpr double kCacheAttemptShare = 1.0 / 16;  // what may halve the job's time
@@ -127,8 +127,8 @@ class Choice {
       job_paths_ += settings_.spp * static_cast<double>(job_views_) / static_cast<double>(views_.size()) *
                     static_cast<double>(std::count(picture.seen.begin(), picture.seen.end(), 1));
     }
-    for (int spp = kFirstSpp; spp <= kMostSpp; spp *= 4) {
-      if (spp * attempt <= kAttemptShare * job_paths_) most_spp_ = spp;
+    for (int spp = kFirstSpp; spp <= kMostCacheSpp; spp *= 4) {
+      if (spp <= kMostSpp && spp * attempt <= kAttemptShare * job_paths_) most_spp_ = spp;
       if (spp * attempt <= kCacheAttemptShare * job_paths_) most_cache_spp_ = spp;
     }
     can_cache_ = VisibilityCache::rays_of(*all.scene) <= kCacheShare * job_paths_;

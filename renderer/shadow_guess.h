@@ -4,6 +4,7 @@
 // its guess; the better the guess, the fewer rays.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -42,7 +43,7 @@ class ShadowGuess {
     return {share, sqrt(share * (1 - share))};
   }
   /// Rays for each that would be sent without a guess, if what is in doubt is `doubted` of the whole.
-  static float rays(float doubted) { return std::clamp(3 * doubted, 0.05f, 1.0f); }  // measured
+  static float rays(float doubted) { return std::clamp(4 * doubted, 0.05f, 1.0f); }  // measured
 
  private:
   std::array<SeenShares, DirectionCells::kCount> cells_;

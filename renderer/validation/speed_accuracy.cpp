@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 
 #include "dataset/model/progress.h"
 #include "renderer/quality.h"
@@ -121,6 +122,8 @@ class Measurement {
     }
     if (environments_.size() > 1)
       compare(fmt::format(", {} lights", environments_.size()), environments_, true);
+    take_least_loading();
+    for (const Comparison& comparison : comparisons_) add_ratio(comparison);
     mark_front();
     return chart_;
   }
@@ -148,7 +151,9 @@ class Measurement {
     const Stopwatch loading;
     const PreparedScene prepared =
         prepare_scene(model_, environments, {}, {{scene_.camera, 0}}, 1, settings, quality, kAutoTolerance);
-    const double load_s = loading.wall_s();
+    const double load_s = chart_.settings.model_read_s +
+                          chart_.settings.environment_read_s * static_cast<double>(environments.size()) +
+                          loading.wall_s();
     Progress progress("ours", passes.size() * static_cast<size_t>(chart_.settings.seeds));
     Ours ours;
     for (size_t i = 0; i < passes.size(); ++i) {
@@ -171,9 +176,28 @@ class Measurement {
     return ours;
   }
 
+  enum Loads : int { kOnItsOwn = 0, kAsCycles = -1 };  // or as ours of so many lights
+  /// A point of ours, and the range of points of Cycles to compare it with.
+  struct Comparison {
+    size_t ours, first, end;
+    std::string cycles;
+  };
+
+  void take_least_loading() {
+    std::map<int, double> least;
+    const auto each = [&](const auto& act) {
+      for (size_t i = 0; i < loads_.size(); ++i)
+        if (loads_[i] != kOnItsOwn)
+          act(least.emplace(loads_[i], chart_.points[i].load_s).first->second, chart_.points[i].load_s);
+    };
+    each([](double& of_all, double of_one) { of_all = std::min(of_all, of_one); });
+    each([](double of_all, double& of_one) { of_one = of_all; });
+  }
+
   /// One point: of several lights the time of all and the root mean square of their relative errors.
-  void add_point(const std::string& series, const CyclesPass& pass, const SideCost& cost,
+  void add_point(const std::string& series, int loads, const CyclesPass& pass, const SideCost& cost,
                  const std::vector<Errors>& of_lights) {
+    loads_.push_back(loads);
     double squares = 0;
     for (const Errors& errors : of_lights) squares += errors.mean_squared_error / errors.mean_square;
     chart_.points.push_back({series, pass.spp, pass.adaptive_threshold, cost.load_s, cost.wall_s, cost.cpu_s,
@@ -181,25 +205,25 @@ class Measurement {
   }
   /// `references`, one a light: of images that may be biased.
   void add_ours(const std::string& series, const Ours& ours, const std::vector<Reference>* references) {
+    const int loads = references ? kOnItsOwn : static_cast<int>(ours.stacks.front().size());
     const std::vector<CyclesPass> passes = ladder(chart_.settings);
     for (size_t i = 0; i < passes.size(); ++i) {
       std::vector<Errors> errors;
       for (size_t l = 0; l < ours.stacks[i].size(); ++l)
         errors.push_back(errors_of(ours.stacks[i][l], mask_, references ? &(*references)[l] : nullptr));
-      add_point(series, passes[i], ours.costs[i], errors);
+      add_point(series, loads, passes[i], ours.costs[i], errors);
     }
   }
 
-  /// Our last point against the best that Cycles can do of its points from `first` on.
-  void add_ratio(size_t first, size_t end, const std::string& cycles) {
-    const SpeedAccuracyPoint& ours = chart_.points.back();
+  void add_ratio(const Comparison& comparison) {
+    const SpeedAccuracyPoint& ours = chart_.points[comparison.ours];
     SpeedAccuracyRatio best;
-    for (size_t i = first; i < end; ++i) {
+    for (size_t i = comparison.first; i < comparison.end; ++i) {
       const SpeedAccuracyPoint& p = chart_.points[i];
       const double work = std::pow(p.relative_error / ours.relative_error, 2);
-      const bool is_far = p.relative_error > kFarthestError * ours.relative_error && i + 1 < end;
+      const bool is_far = p.relative_error > kFarthestError * ours.relative_error && i + 1 < comparison.end;
       const SpeedAccuracyRatio ratio{ours.series,
-                                     cycles,
+                                     comparison.cycles,
                                      p.adaptive_threshold,
                                      ours.relative_error,
                                      (p.load_s + work * p.wall_s) / (ours.load_s + ours.wall_s),
@@ -242,13 +266,14 @@ class Measurement {
         cost.cpu_s += cycles[l].pass_costs[i].cpu_s;
         errors.push_back(errors_of(cycles[l].passes[i], mask_, stops_early ? &references[l] : nullptr));
       }
-      add_point("Cycles" + suffix + (stops_early ? ", adaptive" : ""), scene_.passes[i], cost, errors);
+      add_point("Cycles" + suffix + (stops_early ? ", adaptive" : ""), kAsCycles, scene_.passes[i], cost,
+                errors);
     }
     const size_t end = chart_.points.size();
     add_ours("ours" + suffix, even, nullptr);
-    add_ratio(first, end, "Cycles" + suffix);
+    comparisons_.push_back({chart_.points.size() - 1, first, end, "Cycles" + suffix});
     add_ours("ours" + suffix + ", adaptive", render_ours(environments, Quality::kReference, true), nullptr);
-    add_ratio(first, end, "Cycles" + suffix);
+    comparisons_.push_back({chart_.points.size() - 1, first, end, "Cycles" + suffix});
     if (suffix.empty()) {
       add_ours("ours, auto", render_ours(environments, Quality::kAuto, true), &references);
       add_ours("ours, fast", render_ours(environments, Quality::kFast, true), &references);
@@ -277,6 +302,8 @@ class Measurement {
   CyclesScene scene_;
   Image mask_;
   SpeedAccuracy chart_;
+  std::vector<int> loads_;  // of each point: those of one number load the same
+  std::vector<Comparison> comparisons_;
   int scratch_count_ = 0;
   uint64_t series_count_ = 0;  // of ours: each has its own seeds
 };

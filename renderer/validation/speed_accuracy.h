@@ -14,6 +14,8 @@ struct SpeedAccuracySettings {
   int size_px = 256, max_spp = 256, seeds = 4, max_bounces = 32;
   int threads = 0;  // 0: all
   uint64_t seed = 1;
+  /// What reading our files takes, warm, as Cycles reads its own: counts as our loading. Each environment's.
+  double model_read_s = 0, environment_read_s = 0;
   std::filesystem::path blender;  // empty: from PATH
 };
 
@@ -51,8 +53,9 @@ struct SpeedAccuracy {
 /// model has any), and if there is more than one environment, all of them in one pass of ours against one
 /// render each of Cycles. The first environment lights all else, among it ours with kAuto and kFast. The
 /// error of unbiased images is the standard deviation over the seeds; that of others their distance to the
-/// mean of the best of ours and of Cycles, less that mean's own. Loading counts once for several lights; that
-/// of kAuto includes its choice. Throws InputError if Blender is missing, wrong, or fails.
+/// mean of the best of ours and of Cycles, less that mean's own. Loading is everything between the files and
+/// the first ray. It is the least that any series took that loads the same (the first one finds cold caches),
+/// and counts once for several lights; that of kAuto includes its choice. Throws InputError if Blender is missing, wrong, or fails.
 SpeedAccuracy measure_speed_accuracy(const Model& model, const std::vector<Environment>& environments,
                                      const SpeedAccuracySettings& settings,
                                      const std::filesystem::path& scratch);

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # How many times as long as ours does Cycles take to equal error? `chart speed-accuracy` of five humans, six lights each,
 # and the median of each ratio. Takes half an hour on two cores and means something on an idle machine only.
-#   tests/acceptance/five_humans_speed.sh MODELS OUT [--size PX] [--max-spp N] [--seeds K]
-# MODELS holds the folders that ten_scenes.sh bakes. Finished charts are kept: delete OUT to measure anew.
+#   [LIGHTS=1] tests/acceptance/five_humans_speed.sh MODELS OUT [--size PX] [--max-spp N] [--seeds K]
+# LIGHTS: the first so many of the six alone. MODELS holds the folders that ten_scenes.sh bakes. Finished charts are kept: delete OUT to measure anew.
 set -euo pipefail
 models=$1 out=$2
 shift 2
@@ -14,6 +14,7 @@ environments=()
 for file in "$own"/{overcast_street,sunset,studio}.exr "$world"/{forest,city,interior}.exr; do
   environments+=(--environment "$file")
 done
+environments=("${environments[@]:0:2*${LIGHTS:-6}}")
 mkdir -p "$out"
 for name in casual_scan tee_scan jacket_scan suit example; do
   [ -d "$out/$name" ] || "$bin/openhumanbrdf" chart speed-accuracy "$models/$name" "${environments[@]}" "$@" \

@@ -102,7 +102,7 @@ double noise_of(const PilotStack& stack, size_t l) {
 
 void check_quality(const Bench& b) {
   const std::vector<QualityView> views{{b.camera(), b.turn_rad}};
-  constexpr int kJobViews = 100, kImages = 16;  // as a view of a series
+  constexpr int kJobViews = 100, kImages = 48;  // as a view of a series
   const Stopwatch choosing;
   PreparedScene prepared[2] = {
       prepare_scene(b.model, b.environments, b.points, views, 1, b.settings(1), Quality::kReference, 0),
