@@ -43,10 +43,10 @@ int run_chart(const Options& options, const CommonOptions& common) {
   Model model;
   std::vector<Environment> environments;
   for (int k = 0; k < 2; ++k) {  // the second time finds the files in memory, as Cycles does
+    model = {}, environments.clear();
     const Stopwatch of_model;
     model = read_model(options.model);
     settings.model_read_s = of_model.wall_s();
-    environments.clear();
     const Stopwatch of_environments;
     for (const std::string& file : options.environments) environments.push_back(read_environment(file));
     settings.environment_read_s = of_environments.wall_s() / static_cast<double>(environments.size());

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -26,7 +27,10 @@ std::string data_of(const StressCaseResult& result, size_t number) {
     if (r.point.at > 0) least = std::min(least, r.point.at);
   const double first = result.results.empty() ? 1 : result.results.front().ours.mean;
   std::string data = fmt::format("$c{} << EOD\n", number);
-  for (const StressResult& r : result.results) {
+  std::vector<StressResult> along_x = result.results;  // the catalogue begins with the harmless one
+  std::stable_sort(along_x.begin(), along_x.end(),
+                   [](const StressResult& a, const StressResult& b) { return a.point.at < b.point.at; });
+  for (const StressResult& r : along_x) {
     const double x = result.stress.log_scale && !(r.point.at > 0) ? least / 10 : r.point.at;
     const auto brightness = [&](const StressSide& side) {
       return side.is_there && std::isfinite(side.mean)
