@@ -55,7 +55,8 @@ struct SpeedAccuracy {
 /// error of unbiased images is the standard deviation over the seeds; that of others their distance to the
 /// mean of the best of ours and of Cycles, less that mean's own. Loading is everything between the files and
 /// the first ray. It is the least that any series took that loads the same (the first one finds cold caches),
-/// and counts once for several lights; that of kAuto includes its choice. Throws InputError if Blender is missing, wrong, or fails.
+/// and counts once for several lights; that of kAuto includes its choice. Throws InputError if Blender is
+/// missing, wrong, or fails.
 SpeedAccuracy measure_speed_accuracy(const Model& model, const std::vector<Environment>& environments,
                                      const SpeedAccuracySettings& settings,
                                      const std::filesystem::path& scratch);
