@@ -112,8 +112,7 @@ class PrincipledV2 {
                 is_diffuse = !enters && below_share > zero && (lobe < below_share || !has_highlight),
                 is_specular = !enters && !is_diffuse && has_highlight;
     const Frame frame(n_valid_);
-    const Vec3f8 of_medium = to_world(frame, numbers.cosine_hemisphere());
-    Vec3f8 wi = of_medium;
+    Vec3f8 wi = to_world(frame, numbers.cosine_hemisphere());
     if (diffuse_share_ > 0)
       wi = select(lobe < Float8(diffuse_share_), to_world(Frame(n_), numbers.cosine_hemisphere()), wi);
     if (stdx::any_of(is_specular))

@@ -215,6 +215,7 @@ class Measurement {
     }
   }
 
+  /// Our point against the best that Cycles can do of its points.
   void add_ratio(const Comparison& comparison) {
     const SpeedAccuracyPoint& ours = chart_.points[comparison.ours];
     SpeedAccuracyRatio best;

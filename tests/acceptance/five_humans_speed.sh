@@ -2,7 +2,8 @@
 # How many times as long as ours does Cycles take to equal error? `chart speed-accuracy` of five humans, six lights each,
 # and the median of each ratio. Takes half an hour on two cores and means something on an idle machine only.
 #   [LIGHTS=1] tests/acceptance/five_humans_speed.sh MODELS OUT [--size PX] [--max-spp N] [--seeds K]
-# LIGHTS: the first so many of the six alone. MODELS holds the folders that ten_scenes.sh bakes. Finished charts are kept: delete OUT to measure anew.
+# LIGHTS: the first so many of the six alone. MODELS holds the folders that ten_scenes.sh bakes. Finished charts are
+# kept: delete OUT to measure anew.
 set -euo pipefail
 models=$1 out=$2
 shift 2

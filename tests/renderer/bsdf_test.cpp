@@ -132,39 +132,10 @@ TEST(PrincipledV1, IsReciprocal) {
 }
 
 TEST(PrincipledV1, EightDirectionsAtOnceEqualOneByOne) {
-  // Tilted normals, grazing and hidden directions, every lobe; roughness down to where alpha is rounded away.
-  Random random(11, 0, 0);
-  const auto direction_of = [&] {
-    return normalised(Vec3f{random.next() - 0.5f, random.next() - 0.5f, random.next() - 0.5f});
-  };
-  for (int trial = 0; trial < 3000; ++trial) {
-    const Vec3f ng = direction_of();
-    Vec3f wo = direction_of();
-    if (dot(wo, ng) < 0) wo = -wo;
-    const Vec3f ns = trial % 3 ? normalised(ng + 0.3f * direction_of()) : ng;
-    const Vec3f n = trial % 2 ? normalised(ns + 0.7f * direction_of()) : ns;
-    const float roughness = trial % 5 ? random.next() : 0.01f * random.next();
-    const PrincipledV1 bsdf({random.next(), random.next(), 0}, roughness,
-                            trial % 7 ? 0.08f * random.next() : 0, n, ns, ng, wo, trial % 2 == 0,
-                            static_cast<DiffuseLobe>(trial % 4 % 3));
-    Vec3f wi[8];
-    Vec3f8 eight;
-    for (int k = 0; k < 8; ++k) {
-      wi[k] = k < 2 ? normalised(2 * dot(n, wo) * n - wo + 0.01f * static_cast<float>(k) * direction_of())
-                    : direction_of();
-      eight.x[k] = wi[k].x, eight.y[k] = wi[k].y, eight.z[k] = wi[k].z;
-    }
-    const BsdfValue8 values = bsdf.eval(eight);
-    const float rounding = rounding_of(roughness);
-    for (int k = 0; k < 8; ++k) {
-      const BsdfValue one = bsdf.eval(wi[k]);
-      EXPECT_NEAR(values.value.x[k], one.value.x, rounding * (one.value.x + 1e-3f)) << trial;
-      EXPECT_NEAR(values.value.y[k], one.value.y, rounding * (one.value.y + 1e-3f)) << trial;
-      EXPECT_NEAR(values.value.z[k], one.value.z, rounding * (one.value.z + 1e-3f)) << trial;
-      EXPECT_NEAR(values.pdf[k], one.pdf, rounding * (one.pdf + 1e-3f)) << trial;
-    }
-    expect_samples_equal_one_by_one(bsdf, roughness, random);
-  }
+  expect_eight_equal_one_by_one(11, [](const HardPoint& p, Random& random, int trial) {
+    return PrincipledV1({random.next(), random.next(), 0}, p.roughness, p.f0, p.n, p.ns, p.ng, p.wo,
+                        trial % 2 == 0, static_cast<DiffuseLobe>(trial % 4 % 3));
+  });
 }
 
 TEST(PrincipledV1, RoughnessToZeroBecomesAMirrorWithoutNan) {
