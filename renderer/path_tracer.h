@@ -215,7 +215,7 @@ void sample_environment(const PathContext& c, size_t l, const SurfacePoint& poin
   if (guess) rays *= ShadowGuess::rays(doubted / whole);
   const float step = doubted / rays;
   float place = u.along.x * step;
-  if (place >= doubted) return;
+  if (!(step > 0) || place >= doubted) return;  // 0: below what a float holds
   alignas(32) float sums[kCount];
   float sum = 0;
   for (int k = 0; k < kCount; ++k) sums[k] = sum += weight[k];

@@ -61,9 +61,9 @@ struct QualityView {
 /// has paths), else fewer bounces; smaller maps. Each is rendered beside the reference with the same random
 /// numbers, 16 independent pairs over some 1000 pixels of each view, and told from noise as paired_pilots.h
 /// says. Something is left out only if the interval's upper end is within the tolerance, for all that is left
-/// out together, in every light and view. In doubt the pilots get up to 16 times the paths, as long as one
-/// attempt takes no more than 1/64 of the job (`job_views` images of settings.spp paths), that of the cache
-/// 1/16; then it stays. Never uses a clock: the same job makes the same choice.
+/// out together, in every light and view. In doubt the pilots get up to 16 times the paths (64 times for the
+/// cache), as long as one attempt takes no more than 1/64 of the job (`job_views` images of settings.spp
+/// paths), that of the cache 1/16; then it stays. Never uses a clock: the same job makes the same choice.
 PreparedScene prepare_scene(const Model& model, const std::vector<Environment>& environments,
                             const std::vector<PointLight>& points, const std::vector<QualityView>& views,
                             int job_views, const RenderSettings& settings, Quality quality, double tolerance);

@@ -48,6 +48,7 @@ class Guesses {
   }
 
  private:
+  static_assert(kTile_px % kGuessBlock_px == 0);
   static constexpr int kBlocks = kTile_px / kGuessBlock_px;
   int classes_;
   std::vector<ShadowGuess> guesses_;
