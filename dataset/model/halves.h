@@ -13,4 +13,7 @@ constexpr float kLargestHalf = 65504.0f;
 /// would come of them. NaN stays NaN. All threads.
 std::vector<uint16_t> halves_of(const float* values, size_t count);
 
+/// The same values, exactly. One thread.
+void floats_of(const uint16_t* halves, size_t count, float* values);
+
 }  // namespace ohb

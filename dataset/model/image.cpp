@@ -10,6 +10,7 @@
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/checked_output.h"
 #include "dataset/model/error.h"
+#include "dataset/model/exr_halves.h"
 #include "dataset/model/halves.h"
 #include "dataset/model/image_damage.h"
 #include "dataset/model/large_memory.h"
@@ -132,6 +133,13 @@ Image read_part(OIIO::ImageInput& input, int subimage, const OIIO::ImageSpec& sp
   if (!read_subimage(input, subimage, spec.nchannels, image.values.data()))
     throw_unreadable(file, oiio_error(&input));
   return image;
+}
+
+/// Whether read_half_rows() can read what is open.
+bool holds_half_rows(const OpenImage& open, const OIIO::ImageSpec& spec) {
+  return std::string_view(open.input->format_name()) == "openexr" && !open.memory &&
+         spec.format == OIIO::TypeDesc::HALF && spec.channelformats.empty() && spec.tile_width == 0 &&
+         spec.get_int_attribute("oiio:subimages", 1) == 1;
 }
 
 Image read_first_part(const OpenImage& open, ImageFileInfo* info) {
@@ -258,6 +266,20 @@ void write_exr(const fs::path& file, const std::vector<ExrPart>& parts, const Ex
     bytes.close();
     check_written(is_closed, *output, bytes, file);
   });
+}
+
+Image read_exr_image(const fs::path& file) {
+  const OpenImage open = open_image(file);
+  const OIIO::ImageSpec spec = open.input->spec();
+  if (holds_half_rows(open, spec)) {
+    Image image(spec.width, spec.height, spec.nchannels);
+    try {
+      if (read_half_rows(file, spec.channelnames, image)) return image;
+    } catch (const std::exception& error) {
+      throw_unreadable(file, error.what());
+    }
+  }
+  return read_part(*open.input, 0, spec, file);
 }
 
 std::vector<ExrPart> read_exr(const fs::path& file, ExrAttributes* attributes) {

@@ -80,6 +80,9 @@ using ExrAttributes = std::vector<std::pair<std::string, std::string>>;
 void write_exr(const std::filesystem::path& file, const std::vector<ExrPart>& parts,
                const ExrAttributes& attributes);
 
+/// The first part of an EXR: the values as they are, all channels. Throws InputError if it cannot be read.
+Image read_exr_image(const std::filesystem::path& file);
+
 /// All parts of an EXR, in file order, with the attributes of the first part.
 std::vector<ExrPart> read_exr(const std::filesystem::path& file, ExrAttributes* attributes = nullptr);
 

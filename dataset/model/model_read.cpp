@@ -111,7 +111,7 @@ void expect_size(const fs::path& file, const Image& image, const TextureSetEntry
 /// One image file of a set: a map, or the validity mask where kind is null.
 void read_map(const fs::path& maps, const TextureSetEntry& entry, const MapKind* kind, TextureSet& set) {
   const fs::path file = maps / entry.folder / (kind ? std::string(kind->name) + ".exr" : "valid.png");
-  Image image = kind ? std::move(read_exr(file).at(0).image) : read_image(file);
+  Image image = kind ? read_exr_image(file) : read_image(file);
   expect_size(file, image, entry, kind ? kind->channels : 1);
   expect_finite(file, image);
   if (!kind)

@@ -1,6 +1,7 @@
 #include "dataset/model/image.h"
 
 #include <Imath/half.h>
+#include <OpenImageIO/imageio.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -63,6 +64,42 @@ TEST(Image, FullDiskIsNoticedWhereverInTheFileItStrikes) {
     std::filesystem::remove(folder / "whole");
     EXPECT_TRUE(std::filesystem::is_empty(folder.path())) << name << " left something behind";
   }
+}
+
+/// The fast reader gives what OpenImageIO gives, for halves and floats, any number of rows and channels.
+TEST(Image, AnExrsFirstPartIsReadAsItIs) {
+  const TemporaryFolder folder;
+  for (const ExrPart::Type type : {ExrPart::Type::kHalf, ExrPart::Type::kFloat})
+    for (const int channels : {1, 3})
+      for (const int height_px : {1, 63, 64, 200}) {
+        ExrPart part;
+        part.name = "map";
+        part.channels =
+            channels == 1 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
+        part.type = type;
+        part.image = Image(37, height_px, channels);
+        for (size_t i = 0; i < part.image.values.size(); ++i)
+          part.image.values[i] = 0.001f * static_cast<float>(i % 977) - 0.3f;
+        const auto file = folder / "map.exr";
+        write_exr(file, {part}, {});
+        const Image image = read_exr_image(file);
+        ASSERT_EQ(image.height_px, height_px);
+        ASSERT_EQ(image.channels, channels);
+        EXPECT_EQ(image.values, read_exr(file).at(0).image.values);
+      }
+}
+
+TEST(Image, AnExrsFirstPartMayBeginAnywhereInItsPicture) {
+  const TemporaryFolder folder;
+  const auto file = folder / "map.exr";
+  OIIO::ImageSpec spec(5, 70, 3, OIIO::TypeDesc::HALF);
+  spec.x = 3, spec.y = -40;
+  std::vector<float> values(static_cast<size_t>(5 * 70 * 3));
+  for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i % 512);
+  const auto output = OIIO::ImageOutput::create(file.string());
+  ASSERT_TRUE(output && output->open(file.string(), spec));
+  ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, values.data()) && output->close());
+  EXPECT_EQ(read_exr_image(file).values, values);
 }
 
 /// Eight at once against one at a time: every half, what lies between two of them, and what is beyond.
