@@ -45,7 +45,7 @@ int run_chart(const Options& options, const CommonOptions& common) {
   for (int k = 0; k < 2; ++k) {  // the second time finds the files in memory, as Cycles does
     model = {}, environments.clear();
     const Stopwatch of_model;
-    model = read_model(options.model);
+    model = read_model(options.model, ModelParts::kForRendering);
     settings.model_read_s = of_model.wall_s();
     const Stopwatch of_environments;
     for (const std::string& file : options.environments) environments.push_back(read_environment(file));

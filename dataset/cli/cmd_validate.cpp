@@ -52,7 +52,7 @@ int run_validate(Options options, const CommonOptions& common) {
   settings.shading = options.shading == "v2" ? ShadingModel::kV2 : ShadingModel::kV1;
   if (options.install_bpy) install_bpy(settings.bpy);
   settings.seed = common.seed;
-  const Model model = read_model(options.model);
+  const Model model = read_model(options.model, ModelParts::kForRendering);
   const Environment environment = read_environment(options.environment);
   AtomicFolder folder(options.output);
   const fs::path scratch = folder.path() / "scene";

@@ -61,9 +61,15 @@ struct Model {
 /// with normals of its own.
 void write_model(const std::filesystem::path& folder, const Model& model);
 
+/// What of a model is read.
+enum class ModelParts {
+  kAll,
+  kForRendering  // without displacement and validity maps, which no picture is made of: they stay empty
+};
+
 /// Throws InputError for a missing, incomplete or inconsistent folder. NaN and infinite texels are an error.
-/// Maps are read in parallel.
-Model read_model(const std::filesystem::path& folder);
+/// Mesh and maps are read in parallel.
+Model read_model(const std::filesystem::path& folder, ModelParts parts = ModelParts::kAll);
 
 /// Smooth normals: for each position the sum of the unit normals of its triangles weighted by the corner
 /// angle, normalised (as Blender does); (0,0,1) where nothing remains. Same length as positions_cm.

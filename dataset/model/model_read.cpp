@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 #include <exception>
+#include <functional>
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/conventions.h"
@@ -126,29 +127,43 @@ struct MapTask {
 };
 
 std::vector<MapTask> map_tasks(const XmlDocument& xml, const std::vector<TextureSetEntry>& entries,
-                               std::vector<TextureSet>& sets) {
+                               ModelParts parts, std::vector<TextureSet>& sets) {
   std::vector<MapTask> tasks;
+  const bool all = parts == ModelParts::kAll;
   for (size_t i = 0; i < entries.size(); ++i) {
     for (const MapKind& kind : kMapKinds) {
       const bool stated =
           std::find(entries[i].maps.begin(), entries[i].maps.end(), kind.name) != entries[i].maps.end();
-      if (stated) tasks.push_back({&entries[i], &kind, &sets[i]});
+      if (stated && (all || kind.image != &TextureSet::displacement))
+        tasks.push_back({&entries[i], &kind, &sets[i]});
       if (!stated && !kind.is_optional)
         throw InputError(xml.file().string(), "texture set '" + entries[i].name + "'",
                          "has no map '" + std::string(kind.name) + "'", kBakeAgain);
     }
-    tasks.push_back({&entries[i], nullptr, &sets[i]});
+    if (all) tasks.push_back({&entries[i], nullptr, &sets[i]});
   }
   return tasks;
 }
 
-void read_maps(const fs::path& folder, const std::vector<MapTask>& tasks) {
-  // The first failure in file order is reported, whatever the threads do.
+void read_mesh(const fs::path& folder, const MeshCounts& counts, const std::vector<TextureSetEntry>& entries,
+               Model& model) {
+  const fs::path file = folder / "mesh.obj";
+  parse_mesh_obj(read_file(file), file, entries, model);
+  expect_count(file, "positions", model.positions_cm.size(), counts.positions);
+  expect_count(file, "UVs", model.uvs.size(), counts.uvs);
+  expect_count(file, "triangles", model.triangles.size(), counts.triangles);
+  read_faces_bin(folder / "faces.bin", model);
+  const std::string fault = mesh_fault(model, entries.size());
+  if (!fault.empty()) throw InputError(file.string(), "", fault, kBakeAgain);
+}
+
+/// All of them on all threads. The first failure in their order is thrown, whatever the threads do.
+void run_all(const std::vector<std::function<void()>>& tasks) {
   std::vector<std::exception_ptr> failures(tasks.size());
   parallel_for_each(0, static_cast<int>(tasks.size()), [&](int task) {
     const auto i = static_cast<size_t>(task);
     try {
-      read_map(folder / "maps", *tasks[i].entry, tasks[i].kind, *tasks[i].set);
+      tasks[i]();
     } catch (...) {
       failures[i] = std::current_exception();
     }
@@ -159,7 +174,7 @@ void read_maps(const fs::path& folder, const std::vector<MapTask>& tasks) {
 
 }  // namespace
 
-Model read_model(const fs::path& folder) {
+Model read_model(const fs::path& folder, ModelParts parts) {
   if (!fs::is_directory(folder))
     throw InputError(folder.string(), "", "no such folder", "give the folder that `bake -o` wrote");
   const XmlDocument xml(folder / "model.xml", "model");
@@ -170,18 +185,12 @@ Model read_model(const fs::path& folder) {
     entries.push_back(read_set_entry(xml, node));
   if (entries.empty()) throw xml.error(xml.root(), "there is no texture set", kBakeAgain);
 
-  const fs::path mesh_file = folder / "mesh.obj";
-  parse_mesh_obj(read_file(mesh_file), mesh_file, entries, model);
-  expect_count(mesh_file, "positions", model.positions_cm.size(), counts.positions);
-  expect_count(mesh_file, "UVs", model.uvs.size(), counts.uvs);
-  expect_count(mesh_file, "triangles", model.triangles.size(), counts.triangles);
-  read_faces_bin(folder / "faces.bin", model);
-  const std::string fault = mesh_fault(model, entries.size());
-  if (!fault.empty()) throw InputError(mesh_file.string(), "", fault, kBakeAgain);
-
   model.sets.resize(entries.size());
   for (size_t i = 0; i < entries.size(); ++i) model.sets[i].name = entries[i].name;
-  read_maps(folder, map_tasks(xml, entries, model.sets));
+  std::vector<std::function<void()>> tasks{[&] { read_mesh(folder, counts, entries, model); }};
+  for (const MapTask& task : map_tasks(xml, entries, parts, model.sets))
+    tasks.push_back([&folder, task] { read_map(folder / "maps", *task.entry, task.kind, *task.set); });
+  run_all(tasks);
   return model;
 }
 

@@ -316,7 +316,7 @@ RenderReport render_samples(const RenderJob& job) {
   std::vector<Environment> environments;
   for (const fs::path& file : job.environments) environments.push_back(read_environment(file));
   check_lights(job, environments);
-  const Model model = read_model(job.model_folder);
+  const Model model = read_model(job.model_folder, ModelParts::kForRendering);
   const std::string model_sha256 = sha256_of_file(job.model_folder / "model.xml");
   std::error_code error;
   fs::create_directories(job.output / "previews", error);

@@ -86,6 +86,25 @@ TEST(Model, ReadsBackExactlyWhatWasWritten) {
   }
 }
 
+TEST(Model, PicturesNeedNoDisplacementAndNoValidity) {
+  const TemporaryFolder folder;
+  const Model model = small_model();
+  write_model(folder / "m", model);
+  for (const char* set : {"skin", "SKIN_2"})
+    for (const char* file : {"displacement.exr", "valid.png"})
+      ASSERT_TRUE(std::filesystem::remove(folder / "m" / "maps" / set / file)) << set << "/" << file;
+  const Model back = read_model(folder / "m", ModelParts::kForRendering);
+  ASSERT_EQ(back.triangles.size(), model.triangles.size());
+  for (size_t i = 0; i < model.sets.size(); ++i) {
+    EXPECT_TRUE(back.sets[i].valid.values.empty() && back.sets[i].displacement.values.empty());
+    for (const MapKind& kind : kMapKinds) {
+      if (kind.image == &TextureSet::displacement) continue;
+      EXPECT_EQ((back.sets[i].*kind.image).values, (model.sets[i].*kind.image).values) << kind.name;
+    }
+  }
+  expect_message(input_error_of([&] { read_model(folder / "m"); }), {"displacement.exr", "no such file"});
+}
+
 TEST(Model, EqualModelsGiveEqualBytes) {
   const TemporaryFolder folder;
   write_model(folder / "a", small_model());
