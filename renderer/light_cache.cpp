@@ -294,8 +294,14 @@ LightCache::LightCache(const VisibilityCache& visibility, const Scene& scene, co
     : visibility_(visibility), lights_(lights.size()) {
   const size_t count = visibility.free.size();
   const std::vector<Vec3f> direct_light = direct(scene, lights, turn_rad);
-  std::vector<Float4> leaving(direct_light.size());  // radiance, and 0: as wide as the processor adds
-  from_surfaces_.resize(direct_light.size()), blocked_.resize(2 * count);
+  from_surfaces_.resize(direct_light.size()), leaving_.resize(direct_light.size());
+  blocked_.resize(2 * count);
+  const auto reflect = [&] {
+    each_vertex(count, [&](uint32_t v) {
+      for (size_t i = index(v, false, 0); i < index(v + 1, false, 0); ++i)
+        leaving_[i] = padded(visibility.reflectance[v] * (kInvPi * direct_light[i] + from_surfaces_[i]));
+    });
+  };
   std::vector<float> angles;
   std::vector<Vec3f> centres;
   for (int k = 0; k < VisibilityCache::kMet; ++k) {
@@ -305,10 +311,7 @@ LightCache::LightCache(const VisibilityCache& visibility, const Scene& scene, co
   }
   std::vector<Vec3f> sums(lights_), step(lights_);  // of all vertices; and what the last bounce added
   for (int bounce = 1; bounce <= std::min(max_bounces, kBounces); ++bounce) {
-    each_vertex(count, [&](uint32_t v) {
-      for (size_t i = index(v, false, 0); i < index(v + 1, false, 0); ++i)
-        leaving[i] = padded(visibility.reflectance[v] * (kInvPi * direct_light[i] + from_surfaces_[i]));
-    });
+    reflect();
     each_vertex(count, [&](uint32_t v) {
       std::vector<Float4> of_vertex(2 * lights_, 0);
       float* const blocked = &blocked_[2 * size_t{v}];
@@ -321,7 +324,7 @@ LightCache::LightCache(const VisibilityCache& visibility, const Scene& scene, co
         const float weight = angles[k] * std::fabs(cosine);
         blocked[side] += weight;
         for (size_t l = 0; l < lights_; ++l)
-          of_vertex[side * lights_ + l] += weight * leaving[size_t{met} * lights_ + l];
+          of_vertex[side * lights_ + l] += weight * leaving_[size_t{met} * lights_ + l];
       }
       for (size_t i = 0; i < of_vertex.size(); ++i)
         from_surfaces_[index(v, false, 0) + i] = {of_vertex[i][0], of_vertex[i][1], of_vertex[i][2]};
@@ -336,6 +339,7 @@ LightCache::LightCache(const VisibilityCache& visibility, const Scene& scene, co
         from_surfaces_[i] *= further_bounces(sums[l], step_before[l], step[l]);
       }
   }
+  if (max_bounces > kBounces) reflect();
 }
 
 }  // namespace ohb

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "renderer/direction_cells.h"
+#include "renderer/eight.h"
 #include "renderer/lights.h"
 #include "renderer/scene.h"
 
@@ -71,6 +72,13 @@ class LightCache {
     for (int k = 0; k < 3; ++k) sum += weights[k] * from_surfaces_[index(corners[k], is_back, l)];
     return sum;
   }
+  /// Radiance that leaves one side of a surface in all directions alike, with one bounce less than
+  /// from_surfaces(): for those that others see.
+  Vec3f leaving(const uint32_t* corners, const float* weights, bool is_back, size_t l) const {
+    Float4 sum = 0;
+    for (int k = 0; k < 3; ++k) sum += weights[k] * leaving_[index(corners[k], is_back, l)];
+    return {sum[0], sum[1], sum[2]};
+  }
   /// The share of the cosine-weighted hemisphere on that side where other surfaces are.
   float blocked_share(const uint32_t* corners, const float* weights, bool is_back) const {
     float sum = 0;
@@ -88,7 +96,8 @@ class LightCache {
   const VisibilityCache& visibility_;
   size_t lights_;
   std::vector<Vec3f> from_surfaces_;
-  std::vector<float> blocked_;  // 2 x vertex + side
+  std::vector<Float4> leaving_;  // radiance, and 0: as wide as the processor adds
+  std::vector<float> blocked_;   // 2 x vertex + side
 };
 
 }  // namespace ohb

@@ -403,9 +403,19 @@ void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, 
                branch(split.reflections + k, split.walks), tile);
 }
 
+/// A surface that another shows: what leaves it, as the cache has it.
+inline void add_leaving(const PathContext& c, const Hit& hit, const PathState& state, Tile& tile) {
+  const uint32_t* corners = corners_of(c.scene, hit);
+  const float weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
+  const bool is_back = dot(geometric_normal(c.scene, hit.triangle), state.ray.direction) > 0;
+  for (size_t l = 0; l < c.lights.size(); ++l)
+    add(state.throughput * c.cache->leaving(corners, weights, is_back, l), tile.radiance[l], tile);
+}
+
 /// One surface: what goes on from there comes into tile.next and tile.walks.
 template <class Bsdf>
 void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile) {
+  if (state.bounce > 0 && c.cache) return add_leaving(c, hit, state, tile);
   const Vec3f wo = -state.ray.direction;
   const SurfacePoint point = surface_at(c.scene, hit, wo);
   const bool is_first = state.bounce == 0;
@@ -429,9 +439,7 @@ void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile)
   const Vec2f along = random.next_pair(), across_and_lobe = random.next_pair(), u = random.next_pair();
   const bool ends = ends_at(c, state, bsdf);
   const Split split = ends ? Split().without_reflections() : Split();
-  const LightCache::Known* known = known_at(c, point, tile);
-  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, known, nullptr, tile);
-  if (ends) add_from_surfaces(c, point, bsdf, state.throughput, across_and_lobe.y, u, known, tile);
+  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, nullptr, nullptr, tile);
   if (ends && !walks_under) return;
   const BsdfSample next = bsdf.sample(across_and_lobe.y, u.x, u.y);
   if (next.enters) {
@@ -440,7 +448,7 @@ void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile)
     begin_walk(point, bsdf, hit.triangle, tile.media.emplace_back(point.texel), WalkNumbers(random), 0, 1,
                state, tile);
   } else if (!ends && bounce_off(c, point, next, split.worth, state)) {
-    send_on(known, state, tile);
+    tile.next.push_back(state);
   }
 }
 

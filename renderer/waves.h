@@ -34,6 +34,7 @@ void trace_wave(const PathContext& c, Tile& tile) {
       for (const EnvironmentLight& light : c.lights.environments) light.prefetch(arrival.place);
     }
   }
+  if (c.cache && tile.wave[0].bounce > 0) return;  // scatter() asks no maps
   for (const Arrival& arrival : tile.arrivals)
     if (arrival.is_hit) prefetch_texels(c.scene, arrival.hit);
 }

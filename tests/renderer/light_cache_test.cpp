@@ -224,5 +224,27 @@ TEST(LightCache, AutoKeepsRaysWhereShadowsAreSmallerThanTriangles) {
   EXPECT_EQ(coarse.visibility, nullptr);
 }
 
+TEST(LightCache, AutoKeepsRaysWhereMirrorsShowMirrors) {
+  // What a highlight shows has the light at its vertices, the same in all directions.
+  RenderSettings settings = small_settings();
+  settings.spp = 256;
+  const auto keeps_rays = [&](const Model& model) {
+    const QualityView view{fit_camera(model.positions_cm), 0};
+    return prepare_scene(model, {sky({1, 1, 1})}, {}, {view}, 400, settings, Quality::kAuto, 0.04)
+        .needs.shadow_rays;
+  };
+  const TestMaterial polished{{0.5f, 0.5f, 0.5f}, 0.15f, 0.2f, 0};
+  Model model = bowl(polished, 24, 40);
+  EXPECT_FALSE(keeps_rays(model));
+  constexpr int kSize_px = 64;
+  model.sets[0] = constant_set(polished, kSize_px);
+  for (int y = 0; y < kSize_px; ++y)
+    for (int x = 0; x < kSize_px / 2; ++x) {
+      for (int c = 0; c < 3; ++c) model.sets[0].albedo.pixel(x, y)[c] = 0;
+      *model.sets[0].specular.pixel(x, y) = 1;
+    }
+  EXPECT_TRUE(keeps_rays(model)) << "half of it is a mirror";
+}
+
 }  // namespace
 }  // namespace ohb
