@@ -120,27 +120,26 @@ void read_map(const fs::path& maps, const TextureSetEntry& entry, const MapKind*
   (kind ? set.*kind->image : set.valid) = std::move(image);
 }
 
-struct MapTask {
-  const TextureSetEntry* entry;
-  const MapKind* kind;  // null: valid.png
-  TextureSet* set;
-};
-
-std::vector<MapTask> map_tasks(const XmlDocument& xml, const std::vector<TextureSetEntry>& entries,
-                               ModelParts parts, std::vector<TextureSet>& sets) {
-  std::vector<MapTask> tasks;
+/// What reads the maps into `sets`.
+std::vector<std::function<void()>> map_tasks(const fs::path& maps, const XmlDocument& xml,
+                                             const std::vector<TextureSetEntry>& entries, ModelParts parts,
+                                             std::vector<TextureSet>& sets) {
+  std::vector<std::function<void()>> tasks;
   const bool all = parts == ModelParts::kAll;
   for (size_t i = 0; i < entries.size(); ++i) {
+    const auto add = [&](const MapKind* kind) {
+      tasks.push_back(
+          [&maps, &entry = entries[i], kind, &set = sets[i]] { read_map(maps, entry, kind, set); });
+    };
     for (const MapKind& kind : kMapKinds) {
       const bool stated =
           std::find(entries[i].maps.begin(), entries[i].maps.end(), kind.name) != entries[i].maps.end();
-      if (stated && (all || kind.image != &TextureSet::displacement))
-        tasks.push_back({&entries[i], &kind, &sets[i]});
+      if (stated && (all || kind.image != &TextureSet::displacement)) add(&kind);
       if (!stated && !kind.is_optional)
         throw InputError(xml.file().string(), "texture set '" + entries[i].name + "'",
                          "has no map '" + std::string(kind.name) + "'", kBakeAgain);
     }
-    if (all) tasks.push_back({&entries[i], nullptr, &sets[i]});
+    if (all) add(nullptr);
   }
   return tasks;
 }
@@ -187,9 +186,9 @@ Model read_model(const fs::path& folder, ModelParts parts) {
 
   model.sets.resize(entries.size());
   for (size_t i = 0; i < entries.size(); ++i) model.sets[i].name = entries[i].name;
-  std::vector<std::function<void()>> tasks{[&] { read_mesh(folder, counts, entries, model); }};
-  for (const MapTask& task : map_tasks(xml, entries, parts, model.sets))
-    tasks.push_back([&folder, task] { read_map(folder / "maps", *task.entry, task.kind, *task.set); });
+  const fs::path maps = folder / "maps";
+  auto tasks = map_tasks(maps, xml, entries, parts, model.sets);
+  tasks.insert(tasks.begin(), [&] { read_mesh(folder, counts, entries, model); });
   run_all(tasks);
   return model;
 }
