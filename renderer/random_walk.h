@@ -109,9 +109,10 @@ class WalkLanes {
  public:
   WalkLanes() {
     // Of lanes that never hold a walk: anything finite.
-    for (Value* value : {&t_, &mu_, &backward_, &depth_}) value->set(Float8(0));
+    for (Value* value : {&t_, &mu_, &depth_}) value->set(Float8(0));
     for (int c = 0; c < 3; ++c) {
-      for (Value* value : {&position_[c], &direction_[c], &s_[c], &b_[c], &n_[c]}) value->set(Float8(0));
+      for (Value* value : {&position_[c], &direction_[c], &s_[c], &b_[c], &n_[c], &backward_[c]})
+        value->set(Float8(0));
       for (Value* value : {&weight_[c], &sigma_[c], &albedo_[c], &log_ratio_[c]}) value->set(Float8(1));
       nu_[c].set(Float8(2));
     }
@@ -166,14 +167,18 @@ class WalkLanes {
       return select(is_red, values[0].get(), select(is_green, values[1].get(), values[2].get()));
     };
     const Float8 sigma = of_channel(sigma_), nu = of_channel(nu_), log_ratio = of_channel(log_ratio_);
-    // The diffuse modes of both faces of a sheet, at this depth.
+    // The diffuse modes of both faces of a sheet, at this depth. Each channel has its own: the weight asks
+    // what every one of them would have drawn.
     const Float8 thickness = thickness_.get();
     const Vec3f8 n = vector(n_);
     const Float8 depth = stdx::min(stdx::max(depth_.get() - dot(vector(position_), n), Float8(0)), thickness);
-    const Float8 decays = stdx::min(Float8(80), (thickness - 2 * depth) * sigma / nu);
     const Mask8 has_sheet = thickness < Float8(std::numeric_limits<float>::infinity()) && !is_first;
-    const Float8 backward =
-        select(has_sheet, 1 / (1 + exp_of(select(has_sheet, decays, Float8(0)))), Float8(0));
+    has_sheets_ = stdx::any_of(has_sheet);
+    for (int c = 0; c < 3 && has_sheets_; ++c) {
+      const Float8 decays = stdx::min(Float8(80), (thickness - 2 * depth) * sigma_[c].get() / nu_[c].get());
+      backward_[c].set(select(has_sheet, 1 / (1 + exp_of(select(has_sheet, decays, Float8(0)))), Float8(0)));
+    }
+    const Float8 backward = has_sheets_ ? of_channel(backward_) : Float8(0);
     Float8 side = select(number(1) < kGuidedShare * backward, Float8(-1), Float8(1));
     side = select(number(1) < Float8(kGuidedShare) && !is_first, side, Float8(0));
     const Float8 guided = nu - (nu + 1) * exp_of(-number(2) * log_ratio);
@@ -187,7 +192,7 @@ class WalkLanes {
           select(is_first, direction_[c].get(),
                  sine * cosine_phi * s_[c].get() + sine * sine_phi * b_[c].get() + mu * n_[c].get()));
     const Float8 t = -log_of(1 - number(4)) / (sigma * (1 - side * mu / nu));
-    t_.set(t), mu_.set(mu), backward_.set(backward);
+    t_.set(t), mu_.set(mu);
     for (int k = 0; k < 8; ++k) {
       if (!walk_[k]) continue;
       float t_far = t_.lane[k];
@@ -248,19 +253,19 @@ class WalkLanes {
 
   // pdf of (direction, t) or, on a hit, of (direction, longer than t), over what the medium does.
   void weigh(Mask8 is_hit, Mask8 is_first) {
-    const Float8 t = t_.get(), mu = mu_.get(), backward = backward_.get(), one = 1;
-    const bool any_backward = stdx::any_of(backward > Float8(0));
+    const Float8 t = t_.get(), mu = mu_.get(), one = 1;
     Float8 pdf = 0, transmitted[3];
     for (int c = 0; c < 3; ++c) {
       const Float8 sigma = sigma_[c].get(), nu = nu_[c].get(), stretch = mu / nu;
       transmitted[c] = exp_of(-sigma * t);
       const Float8 plain = select(is_hit, one, sigma) * transmitted[c];
       // A Dwivedi lobe's density in solid angle, times that of the distance.
+      const Float8 backward = has_sheets_ ? backward_[c].get() : Float8(0);
       const Float8 guided = kGuidedShare / (2 * kPi * log_ratio_[c].get());
       Float8 strategies = (1 - kGuidedShare) / (4 * kPi) * plain;
       strategies += (1 - backward) * guided / (nu - mu) * select(is_hit, one, sigma * (1 - stretch)) *
                     exp_of(-sigma * (1 - stretch) * t);
-      if (any_backward)
+      if (has_sheets_)
         strategies += backward * guided / (nu + mu) * select(is_hit, one, sigma * (1 + stretch)) *
                       exp_of(-sigma * (1 + stretch) * t);
       pdf += share_[c].get() * select(is_first, plain, strategies);
@@ -277,7 +282,9 @@ class WalkLanes {
   int segment_[8] = {};
   Value position_[3], direction_[3], s_[3], b_[3], n_[3];  // the axis and a frame about it
   Value weight_[3], share_[3], sigma_[3], albedo_[3], nu_[3], log_ratio_[3];
-  Value depth_, thickness_, backward_, mu_, t_;  // depth_: of the entry along the axis
+  Value backward_[3];                 // of what is guided, by channel
+  Value depth_, thickness_, mu_, t_;  // depth_: of the entry along the axis
+  bool has_sheets_ = false;           // any lane's segment
 };
 
 /// All walks to their ends, eight at once; a lane whose walk is over takes the next one.

@@ -185,6 +185,67 @@ TEST(Subsurface, WalksEqualAnalogOnes) {
   EXPECT_EQ(counts.walks, 40000u);
 }
 
+// A sheet whose far side matters to red and hardly to blue: each channel guides backwards with a chance of
+// its own, and the weight must know all three. Against plain walks along the depth alone.
+TEST(Subsurface, WalksThroughASheetEqualAnalogOnes) {
+  constexpr float kThickness_cm = 0.3f;
+  constexpr int kWalks = 600000;
+  SurfaceTexel texel;
+  texel.albedo = {0.6f, 0.4f, 0.3f};
+  texel.sss = 1;
+  Model model = plane_model(1000, constant_set(subsurface_material(texel.albedo)));
+  constexpr uint32_t kFront = 4;
+  for (uint32_t i = 0; i < kFront; ++i)
+    model.positions_cm.push_back(model.positions_cm[i] - Vec3f{0, 0, kThickness_cm});
+  for (uint32_t i = 0; i < 2; ++i) {
+    ModelTriangle back = model.triangles[i];
+    std::swap(back.position[1], back.position[2]), std::swap(back.uv[1], back.uv[2]);
+    for (uint32_t& p : back.position) p += kFront;
+    model.triangles.push_back(back);
+  }
+  const auto scene = build_scene(model);
+  const WalkMedium medium(texel);
+  const Vec3f start{100, 300, 0}, ng{0, 0, 1};
+  Random random(11, 0, 0);
+  Estimate guided[2][3], analog[2][3];  // front, back
+  RayCounts counts;
+  for (int round = 0; round < kWalks / 100; ++round) {
+    std::vector<Walk> walks;
+    for (int k = 0; k < 100; ++k) {
+      const float u = random.next();
+      const Vec3f inwards = -sample_cosine_hemisphere(u, random.next());
+      walks.push_back({start, ng, ng, inwards, 1, &medium,
+                       Random(13, static_cast<uint64_t>(round), static_cast<uint64_t>(k))});
+    }
+    walk_under_surface<false>(*scene, walks, counts);
+    for (const Walk& walk : walks)
+      for (int side = 0; side < 2; ++side)
+        for (int c = 0; c < 3; ++c)
+          guided[side][c].add(
+              walk.is_out && (walk.exit.hit.triangle >= 2) == (side == 1) ? walk.exit.weight[c] : 0.0);
+  }
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < kWalks; ++i) {
+      double depth = 0, weight = medium.medium.entry_weight[c];
+      double down = std::sqrt(1 - double{random.next()});  // cosine of the direction
+      for (int segment = 0; segment < cycles::kMaxWalkSegments; ++segment) {
+        depth += down * -std::log(1 - random.next()) / medium.medium.sigma_t_per_cm[c];
+        if (depth < 0 || depth > kThickness_cm) break;
+        weight *= medium.medium.albedo[c];
+        down = 2 * double{random.next()} - 1;
+      }
+      analog[0][c].add(depth < 0 ? weight : 0);
+      analog[1][c].add(depth > kThickness_cm ? weight : 0);
+    }
+  // Six comparisons at four standard errors: one false alarm in 2600 seeds.
+  for (int side = 0; side < 2; ++side)
+    for (int c = 0; c < 3; ++c) {
+      const double error = std::sqrt(guided[side][c].variance() + analog[side][c].variance());
+      EXPECT_NEAR(guided[side][c].mean(), analog[side][c].mean(), 4 * error) << side << c;
+      EXPECT_LT(error, 0.01 * analog[side][c].mean()) << side << c;
+    }
+}
+
 TEST(Subsurface, SwitchedOffItIsDiffuse) {
   TestMaterial with = subsurface_material({0.6f, 0.4f, 0.2f}), without = with;
   without.sss = 0;
