@@ -1,5 +1,6 @@
 #include "renderer/validation/sides.h"
 
+#include "dataset/model/parallel.h"
 #include "dataset/model/progress.h"
 #include "renderer/sampling.h"
 #include "renderer/validation/stopwatch.h"
@@ -65,12 +66,13 @@ Sample OurRenderer::maps() const {
 }
 
 ImageStack OurRenderer::render_pass(const CyclesPass& pass, uint64_t seed,
-                                    RenderStatistics& statistics) const {
-  RenderSettings settings = this->settings();
-  settings.spp = pass.spp;
-  ImageStack stack;
-  for (size_t k = 0; k < pass.seeds.size(); ++k) {
-    settings.seed = mix_bits(seed + k);
+                                    std::atomic<uint64_t>& nonfinite) const {
+  ImageStack stack(pass.seeds.size());
+  const auto render_seed = [&](int k) {
+    RenderSettings settings = this->settings();
+    settings.spp = pass.spp;
+    settings.seed = mix_bits(seed + static_cast<uint64_t>(k));
+    RenderStatistics statistics;
     Image sum(settings.size_px, settings.size_px, 3);
     for (const PixelBox& box : pass.boxes.empty() ? std::vector<PixelBox>{{}} : pass.boxes) {
       settings.crop = box;
@@ -78,18 +80,24 @@ ImageStack OurRenderer::render_pass(const CyclesPass& pass, uint64_t seed,
            render_lights(*built_, *lights_, scene_.camera, scene_.turn_rad, settings, &statistics))
         for (size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += light.radiance.values[i];
     }
-    stack.push_back(std::move(sum));
-  }
+    stack[static_cast<size_t>(k)] = std::move(sum);
+    nonfinite += statistics.nonfinite;
+  };
+  const int count = static_cast<int>(pass.seeds.size());
+  if (pass.boxes.empty())
+    for (int k = 0; k < count; ++k) render_seed(k);
+  else
+    parallel_for_each(0, count, render_seed);  // a small box by itself would keep few threads busy
   return stack;
 }
 
 OurSide OurRenderer::render(const std::vector<CyclesPass>& passes, uint64_t seed) const {
   OurSide side;
   Progress progress("ours", image_count(passes));
-  RenderStatistics statistics;
+  std::atomic<uint64_t> nonfinite{0};
   for (size_t i = 0; i < passes.size(); ++i) {
     const Stopwatch watch;
-    side.passes.push_back(render_pass(passes[i], mix_bits(mix_bits(seed) + i), statistics));
+    side.passes.push_back(render_pass(passes[i], mix_bits(mix_bits(seed) + i), nonfinite));
     SideCost cost;
     cost.load_s = load_s_;
     cost.wall_s = watch.wall_s() / static_cast<double>(passes[i].seeds.size());
@@ -98,7 +106,7 @@ OurSide OurRenderer::render(const std::vector<CyclesPass>& passes, uint64_t seed
     progress.add(passes[i].seeds.size());
   }
   side.cost = side.pass_costs.front();
-  side.nonfinite = statistics.nonfinite;
+  side.nonfinite = nonfinite;
   return side;
 }
 

@@ -1,6 +1,7 @@
 // The two sides of a validation: the same passes in Cycles and here.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 
 #include "renderer/validation/cycles_run.h"
@@ -40,7 +41,7 @@ class OurRenderer {
   OurSide render(const std::vector<CyclesPass>& passes, uint64_t seed) const;
 
  private:
-  ImageStack render_pass(const CyclesPass& pass, uint64_t seed, RenderStatistics& statistics) const;
+  ImageStack render_pass(const CyclesPass& pass, uint64_t seed, std::atomic<uint64_t>& nonfinite) const;
   RenderSettings settings() const;
 
   const CyclesScene& scene_;

@@ -288,7 +288,7 @@ class Commands(unittest.TestCase):
             self.assertLess(low / high, 6, series)
         self.assertTrue(any(p["on_front"] for p in report["points"]))
         # A relative folder: gnuplot changes into it.
-        result = run(*arguments[:-1], os.path.relpath(self.folder / "relative"))
+        result = run(*arguments[:-6], "--max-spp", 4, "--seeds", 2, "-o", os.path.relpath(self.folder / "relative"))
         self.assertEqual(result.returncode, DONE, result.stderr)
         self.assertTrue((self.folder / "relative" / "chart.svg").exists())
         self.expect_refusal(run(*arguments[:-1], self.folder / "x", "--blender", "/bin/false"), "/bin/false")
