@@ -152,6 +152,27 @@ struct Ladder {
   ShadingModel shading = ShadingModel::kV1;
 };
 
+/// A sheet of skin between two faces that look away from each other, seen from before and lit from behind:
+/// what arrives has gone through, far for red and near its end for blue.
+inline Ladder sheet_lit_from_behind() {
+  TextureSet set = plain_set();
+  set.albedo = constant_map(3, {0.6f, 0.4f, 0.3f});
+  set.sss = constant_map(1, {1.0f});
+  Ladder ladder;
+  ladder.model.sets = {set};
+  add_card(ladder.model, 0, {0, 10, 0}, 8);
+  const size_t front = ladder.model.triangles.size();
+  add_card(ladder.model, 0, {0, 10, -0.15f}, 8);
+  for (size_t t = front; t < ladder.model.triangles.size(); ++t) {
+    ModelTriangle& back = ladder.model.triangles[t];
+    std::swap(back.position[1], back.position[2]), std::swap(back.uv[1], back.uv[2]);
+  }
+  ladder.points = {{"behind", {5, 15, -40}, 20}};
+  ladder.spp = 256;
+  ladder.subsurface = true;
+  return ladder;
+}
+
 struct Comparison {
   RegionRatio all, inside;
   BinTest bins;

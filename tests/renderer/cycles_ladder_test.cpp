@@ -164,6 +164,10 @@ TEST(CyclesLadder, SubsurfaceThinSheet) {
   expect_equal(ladder);
 }
 
+TEST(CyclesLadder, SubsurfaceSheetLitFromBehind) {
+  expect_equal(sheet_lit_from_behind());
+}
+
 TEST(CyclesLadder, CutOutCards) {
   TextureSet set = plain_set();
   set.alpha = noise_map(1, -0.5f, 1.5f, 9);

@@ -108,6 +108,10 @@ TEST_F(CyclesLadderV2, SubsurfaceSlab) {
   expect_equal(ladder);
 }
 
+TEST_F(CyclesLadderV2, SubsurfaceSheetLitFromBehind) {
+  expect_equal(sheet_lit_from_behind());
+}
+
 TEST_F(CyclesLadderV2, SubsurfacePointLight) {
   TextureSet set = plain_set();
   set.sss = constant_map(1, {0.5f});
