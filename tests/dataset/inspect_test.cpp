@@ -97,7 +97,7 @@ TEST(UvLayout, NeighboursNeverShareATexelAndLeaveNone) {
   for (int j = 0; j < n; ++j)
     for (int i = 0; i < n; ++i) {
       const int a = j * (n + 1) + i + 1, b = a + 1, c = b + n + 1, d = c - 1;
-      char line[128];
+      char line[192];
       std::snprintf(line, sizeof line, "f %d/%d %d/%d %d/%d\nf %d/%d %d/%d %d/%d\n", a, a, b, b, c, c, a, a,
                     c, c, d, d);
       text += line;
