@@ -205,6 +205,7 @@ TEST(Subsurface, WalksThroughASheetEqualAnalogOnes) {
   }
   const auto scene = build_scene(model);
   const WalkMedium medium(texel);
+  constexpr uint32_t kEntry = 0;  // the triangle that `start` lies in
   const Vec3f start{100, 300, 0}, ng{0, 0, 1};
   Random random(11, 0, 0);
   Estimate guided[2][3], analog[2][3];  // front, back
@@ -214,7 +215,7 @@ TEST(Subsurface, WalksThroughASheetEqualAnalogOnes) {
     for (int k = 0; k < 100; ++k) {
       const float u = random.next();
       const Vec3f inwards = -sample_cosine_hemisphere(u, random.next());
-      walks.push_back({start, ng, ng, inwards, 1, &medium,
+      walks.push_back({start, ng, ng, inwards, kEntry, &medium,
                        Random(13, static_cast<uint64_t>(round), static_cast<uint64_t>(k))});
     }
     walk_under_surface<false>(*scene, walks, counts);
