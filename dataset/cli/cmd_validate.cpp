@@ -26,10 +26,10 @@ void parse_view(const std::string& text, ValidationSettings& settings) {
 
 void print_summary(const Validation& v, const fs::path& output) {
   std::printf("%-12s %9s  %s\n", "region", "pixels", "ours / Cycles - 1, 95 % interval");
-  for (const auto& [region, spp, seeds] : v.regions)
-    std::printf("%-12s %9.0f  %+.3f %%  [%+.3f, %+.3f]  %d x %d paths\n", region.name.c_str(),
+  for (const auto& [region, work] : v.regions)
+    std::printf("%-12s %9.0f  %+.3f %%  [%+.3f, %+.3f]  %d x %d paths, Cycles %d x %d\n", region.name.c_str(),
                 region.weight_px, 100 * (region.total.value - 1), 100 * (region.total.low - 1),
-                100 * (region.total.high - 1), seeds, spp);
+                100 * (region.total.high - 1), work.seeds, work.our_spp, work.seeds, work.cycles_spp);
   std::printf("bins of 3 x 3 px accepted: %zu of %zu (%.2f %%); outline: %zu of %zu\n",
               v.inside_bins.accepted, v.inside_bins.bins, 100 * v.inside_bins.accepted_share,
               v.band_bins.accepted, v.band_bins.bins);

@@ -7,6 +7,7 @@ namespace ohb {
 namespace {
 
 constexpr int kCell_px = 8;
+constexpr double kTimeOfPath = 2;  // ours in Cycles' (one to three where measured: ours splits)
 
 bool overlap(const PixelBox& a, const PixelBox& b) {
   return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
@@ -57,16 +58,21 @@ std::vector<PixelBox> boxes_around(const std::vector<float>& weights, int width_
   return boxes;
 }
 
-double work_factor(const Interval& interval, double target) {
-  const double half_width = 0.5 * (interval.high - interval.low);
-  return std::max(1.0, half_width * half_width / (target * target));
-}
-
-Work spread_work(double factor, int spp, int seeds, int max_spp) {
-  const double paths = factor * spp * seeds;
-  Work work;
-  work.seeds = std::max(seeds, static_cast<int>(std::ceil(paths / max_spp)));
-  work.spp = std::min(max_spp, static_cast<int>(std::ceil(paths / work.seeds)));
+std::optional<SidesWork> more_work(const Interval& ratio, const SidesWork& first, double target, double most,
+                                   int max_spp) {
+  const double half_width = 0.5 * (ratio.high - ratio.low);
+  const double factor = half_width * half_width / (target * target);
+  if (!(factor > 1)) return std::nullopt;
+  const double first_share = static_cast<double>(first.our_spp) / first.cycles_spp;
+  // The spread of a few seeds tells noise roughly: within limits.
+  const double noise = ratio.share_a * first_share / std::max(1 - ratio.share_a, 1e-6);
+  const double our_share = std::clamp(std::sqrt(noise / kTimeOfPath), 1.0 / 16, 1.0);
+  const double more = factor * (1 - ratio.share_a + ratio.share_a * first_share / our_share);
+  const double paths = std::min(more, most) * first.cycles_spp * first.seeds;
+  SidesWork work;
+  work.seeds = std::max(first.seeds, static_cast<int>(std::ceil(paths / max_spp)));
+  work.cycles_spp = std::min(max_spp, static_cast<int>(std::ceil(paths / work.seeds)));
+  work.our_spp = static_cast<int>(std::ceil(our_share * work.cycles_spp));
   return work;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "renderer/render.h"
@@ -13,14 +14,16 @@ namespace ohb {
 /// of cells of 8 x 8 px, joined where they overlap.
 std::vector<PixelBox> boxes_around(const std::vector<float>& weights, int width_px, int height_px);
 
-/// How much more work (paths in all, or seeds x spp) makes the half-width of the interval `target`, at
-/// least 1.
-double work_factor(const Interval& interval, double target);
-
-/// How to spread `factor` times spp x seeds over seeds of at most max_spp.
-struct Work {
-  int spp = 0, seeds = 0;
+/// Paths a pixel of each side's images, of which each has `seeds`.
+struct SidesWork {
+  int seeds = 0, our_spp = 0, cycles_spp = 0;
 };
-Work spread_work(double factor, int spp, int seeds, int max_spp);
+
+/// The work that makes the half-width of a ratio's interval (of ours to Cycles') `target` in the least time,
+/// from the interval that `first` gave: each side's paths go as the root of its noise over the time of a
+/// path. At most `most` times the paths of Cycles, and at most max_spp in one of its images. None if the
+/// interval is that narrow already.
+std::optional<SidesWork> more_work(const Interval& ratio, const SidesWork& first, double target, double most,
+                                   int max_spp);
 
 }  // namespace ohb

@@ -98,9 +98,10 @@ std::string region_row(const RegionResult& result, const ValidationThresholds& l
   const RegionRatio& region = result.ratio;
   const bool judged = is_judged(region, limits) && region.name != "outline";
   const bool good = region.total.low >= 1 - limits.ratio && region.total.high <= 1 + limits.ratio;
-  std::string row = fmt::format("<tr><td>{}{}</td><td>{:.0f}</td><td>{} x {}</td>", escaped(region.name),
-                                judged ? "" : " <span class=\"dim\">(not judged)</span>", region.weight_px,
-                                result.seeds, result.spp);
+  std::string row =
+      fmt::format("<tr><td>{}{}</td><td>{:.0f}</td><td>{} x {}</td><td>{} x {}</td>", escaped(region.name),
+                  judged ? "" : " <span class=\"dim\">(not judged)</span>", region.weight_px,
+                  result.work.seeds, result.work.our_spp, result.work.seeds, result.work.cycles_spp);
   row += fmt::format("<td class=\"{}\">{}</td><td>{} to {}</td>", judged && !good ? "bad" : "",
                      percent(region.total.value - 1), percent(region.total.low - 1),
                      percent(region.total.high - 1));
@@ -111,14 +112,16 @@ std::string region_row(const RegionResult& result, const ValidationThresholds& l
 std::string region_table(const Validation& v) {
   const ValidationThresholds& limits = v.settings.thresholds;
   std::string html =
-      "<table><tr><th>region</th><th>pixels</th><th>seeds x paths</th><th>ours / Cycles - 1</th>"
+      "<table><tr><th>region</th><th>pixels</th><th>seeds x paths, ours</th><th>Cycles</th><th>ours / Cycles "
+      "- 1</th>"
       "<th>95 % interval</th><th>red</th><th>green</th><th>blue</th></tr>\n";
   for (const RegionResult& region : v.regions) html += region_row(region, limits);
   html += region_row(v.band, limits);
   return html + fmt::format(
                     "</table><p>Means of radiance, weighted by each class's share of the pixel. The interval "
                     "comes from the spread over the independent seeds of each side; where {} x {} left it "
-                    "too wide the region was rendered again, alone, with new seeds and more paths. Limit: "
+                    "too wide the region was rendered again, alone, with new seeds and as many paths a side "
+                    "as its noise asks for. Limit: "
                     "{:.1f} % with the interval. Mean coverage: ours {:.5f}, Cycles {:.5f}.</p>\n",
                     v.settings.seeds, v.settings.spp, 100 * limits.ratio, v.coverage_ours, v.coverage_cycles);
 }

@@ -193,6 +193,7 @@ Interval ratio_of_means(const std::vector<double>& a, const std::vector<double>&
   const double reach = student_two_sided_quantile(0.05, dof) * std::sqrt(va + vb) * std::fabs(interval.value);
   interval.low = interval.value - reach;
   interval.high = interval.value + reach;
+  if (va + vb > 0) interval.share_a = va / (va + vb);
   return interval;
 }
 

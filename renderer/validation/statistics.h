@@ -64,6 +64,7 @@ BinTest test_bins(const ImageStack& a, const ImageStack& b, const std::vector<ui
 
 struct Interval {
   double value = 1, low = 1, high = 1;
+  double share_a = 0.5;  // of the variance behind it that is the first side's
 };
 
 /// Ratio of means a / b with its 95 % interval from the spread over seeds: delta method, and Student's t with

@@ -45,14 +45,14 @@ double mean_of_channel(const Image& image, int channel) {
 /// All that the first pass says.
 void compare(const ImageStack& ours, const ImageStack& cycles, const std::vector<Region>& regions,
              const Image& mask, Validation& v) {
-  const int spp = v.settings.spp, seeds = v.settings.seeds;
+  const SidesWork work{v.settings.seeds, v.settings.spp, v.settings.spp};
   v.coverage = mask;
   v.pixels = pixel_sets(mask, cycles.front());
   v.ours = moments_of(ours);
   v.cycles = moments_of(cycles);
   for (const Region& region : regions)
-    v.regions.push_back({compare_region(region.name, ours, cycles, region.weights), spp, seeds});
-  v.band = {compare_region("outline", ours, cycles, weights_of(v.pixels.band)), spp, seeds};
+    v.regions.push_back({compare_region(region.name, ours, cycles, region.weights), work});
+  v.band = {compare_region("outline", ours, cycles, weights_of(v.pixels.band)), work};
   v.inside_bins = test_bins(ours, cycles, v.pixels.inside);
   v.band_bins = test_bins(ours, cycles, v.pixels.band);
   v.coverage_ours = mean_of_channel(mask, 0);
@@ -62,22 +62,29 @@ void compare(const ImageStack& ours, const ImageStack& cycles, const std::vector
   v.cycles_cost.mean_squared_error = mean_variance(v.cycles, v.pixels.foreground);
 }
 
-/// One more pass for each region whose interval is too wide; `which` gets their numbers.
-std::vector<CyclesPass> focus_passes(const Validation& v, const std::vector<Region>& regions,
-                                     std::vector<size_t>& which) {
+/// One more pass for a region whose interval is too wide.
+struct Focus {
+  size_t region;
+  SidesWork work;
+  CyclesPass cycles, ours;
+};
+
+std::vector<Focus> focus_passes(const Validation& v, const std::vector<Region>& regions) {
   const ValidationSettings& settings = v.settings;
-  std::vector<CyclesPass> passes;
+  std::vector<Focus> passes;
   for (size_t i = 0; i < regions.size(); ++i) {
     const RegionRatio& ratio = v.regions[i].ratio;
-    const double factor = work_factor(ratio.total, kHalfWidthShare * settings.thresholds.ratio);
-    if (!is_judged(ratio, settings.thresholds) || factor <= 1 || settings.focus <= 1) continue;
-    const Work work =
-        spread_work(std::min(factor, settings.focus), settings.spp, settings.seeds, kMaxCyclesSpp);
+    if (!is_judged(ratio, settings.thresholds) || settings.focus <= 1) continue;
+    const std::optional<SidesWork> work =
+        more_work(ratio.total, v.regions[i].work, kHalfWidthShare * settings.thresholds.ratio, settings.focus,
+                  kMaxCyclesSpp);
+    if (!work) continue;
     const bool whole = regions[i].name == "whole image";
-    passes.push_back({work.spp, cycles_seeds(mix_bits(settings.seed ^ kFocusSeeds) + i, work.seeds),
-                      boxes_around(whole ? weights_of(v.pixels.foreground) : regions[i].weights,
-                                   settings.size_px, settings.size_px)});
-    which.push_back(i);
+    CyclesPass pass{work->cycles_spp, cycles_seeds(mix_bits(settings.seed ^ kFocusSeeds) + i, work->seeds),
+                    boxes_around(whole ? weights_of(v.pixels.foreground) : regions[i].weights,
+                                 settings.size_px, settings.size_px)};
+    passes.push_back({i, *work, pass, pass});
+    passes.back().ours.spp = work->our_spp;
   }
   return passes;
 }
@@ -99,17 +106,19 @@ CyclesScene scene_of(const Model& model, const Environment& environment, const V
 /// Renders the regions that need it again and puts the results in their place.
 void focus(CyclesScene& scene, const Blender& blender, const OurRenderer& renderer,
            const std::vector<Region>& regions, const std::filesystem::path& scratch, Validation& v) {
-  std::vector<size_t> which;
-  scene.passes = focus_passes(v, regions, which);
-  if (scene.passes.empty()) return;
+  const std::vector<Focus> focused = focus_passes(v, regions);
+  if (focused.empty()) return;
+  std::vector<CyclesPass> our_passes;
+  scene.passes.clear();
+  for (const Focus& one : focused) scene.passes.push_back(one.cycles), our_passes.push_back(one.ours);
   const CyclesSide cycles = render_cycles_side(scene, blender, v.settings.threads, scratch);
-  const OurSide ours = renderer.render(scene.passes, v.settings.seed ^ kFocusSeeds);
+  const OurSide ours = renderer.render(our_passes, v.settings.seed ^ kFocusSeeds);
   v.nonfinite += ours.nonfinite;
   v.blender_settings.insert(v.blender_settings.end(), cycles.settings.begin(), cycles.settings.end());
-  for (size_t i = 0; i < which.size(); ++i) {
-    const Region& region = regions[which[i]];
-    v.regions[which[i]] = {compare_region(region.name, ours.passes[i], cycles.passes[i], region.weights),
-                           scene.passes[i].spp, static_cast<int>(scene.passes[i].seeds.size())};
+  for (size_t i = 0; i < focused.size(); ++i) {
+    const Region& region = regions[focused[i].region];
+    v.regions[focused[i].region] = {
+        compare_region(region.name, ours.passes[i], cycles.passes[i], region.weights), focused[i].work};
   }
 }
 

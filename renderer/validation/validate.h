@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "renderer/validation/focus.h"
 #include "renderer/validation/sides.h"
 
 namespace ohb {
@@ -34,7 +35,7 @@ struct ValidationSettings {
 /// A region and the work behind it: the first pass's, or that of its own pass.
 struct RegionResult {
   RegionRatio ratio;
-  int spp = 0, seeds = 0;
+  SidesWork work;
 };
 
 enum class Outcome { kPass, kUndecided, kDifference };
@@ -74,9 +75,9 @@ bool is_judged(const RegionRatio& region, const ValidationThresholds& thresholds
 Verdict judge(const Validation& validation);
 
 /// Renders both sides and compares; then once more, with new seeds, the regions whose interval is wider than
-/// 0.8 of the threshold (its half 0.4), with the work that the first pass's spread foretells: those results
-/// replace the first. `scratch` is an existing folder for the scene and Cycles' images.
-/// Throws InputError if Blender is missing, wrong, or fails.
+/// 0.8 of the threshold (its half 0.4), with the work that the first pass's spread foretells for each side:
+/// those results replace the first. `scratch` is an existing folder for the scene and Cycles' images. Throws
+/// InputError if Blender is missing, wrong, or fails.
 Validation validate(const Model& model, const Environment& environment, const ValidationSettings& settings,
                     const std::filesystem::path& scratch);
 

@@ -193,14 +193,14 @@ inline CyclesScene cycles_scene(const Ladder& ladder) {
   return scene;
 }
 
-inline Comparison compare(CyclesScene scene, const Work& work, uint64_t seed, const Blender& blender) {
+inline Comparison compare(CyclesScene scene, const SidesWork& work, uint64_t seed, const Blender& blender) {
   const TemporaryFolder folder;
-  scene.passes = {{work.spp, cycles_seeds(seed, work.seeds), {}}};
+  scene.passes = {{work.cycles_spp, cycles_seeds(seed, work.seeds), {}}};
   CyclesSide cycles = render_cycles_side(scene, blender, 2, folder.path());
   const ImageStack& theirs = cycles.passes.front();
   const OurRenderer renderer(scene);
   std::vector<CyclesPass> passes = scene.passes;
-  if (scene.subsurface) passes.front().spp /= 2;  // each of four walks
+  passes.front().spp = work.our_spp;
   const ImageStack ours = std::move(renderer.render(passes, seed).passes.front());
   Comparison result;
   result.settings = std::move(cycles.settings);
@@ -221,12 +221,14 @@ inline double most_work() {
 inline Comparison compare(const Ladder& ladder, const Blender& blender) {
   constexpr double kHalfWidth = 0.0007;
   const CyclesScene scene = cycles_scene(ladder);
-  const Work work{ladder.spp, 8};
+  // A path of ours is many walks.
+  const SidesWork work{8, scene.subsurface ? ladder.spp / 2 : ladder.spp, ladder.spp};
   const Comparison first = compare(scene, work, 1, blender);
-  const double factor = std::min(most_work(), std::max(work_factor(first.all.total, kHalfWidth),
-                                                       work_factor(first.inside.total, kHalfWidth)));
-  if (factor <= 1) return first;
-  return compare(scene, spread_work(factor, work.spp, work.seeds, kMaxCyclesSpp), 2, blender);
+  if (most_work() <= 1) return first;
+  const auto width = [](const RegionRatio& region) { return region.total.high - region.total.low; };
+  const RegionRatio& wider = width(first.all) > width(first.inside) ? first.all : first.inside;
+  const auto more = more_work(wider.total, work, kHalfWidth, most_work(), kMaxCyclesSpp);
+  return more ? compare(scene, *more, 2, blender) : first;
 }
 
 /// `tolerance` on the ratio of the means: its 95 % interval must reach into it or, where it was made narrow,

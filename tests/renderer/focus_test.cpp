@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace ohb {
 namespace {
 
@@ -37,16 +39,47 @@ TEST(Focus, LShapeIsOneBox) {
   EXPECT_TRUE(boxes_around(std::vector<float>(64, 0.0f), 8, 8).empty());
 }
 
-TEST(Focus, WorkGrowsWithTheSquareAndIsSpreadOverSeeds) {
-  EXPECT_NEAR(work_factor({1, 0.99, 1.01}, 0.001), 100, 1e-9);
-  EXPECT_DOUBLE_EQ(work_factor({1, 0.9999, 1.0001}, 0.001), 1);
-  const Work few = spread_work(10, 128, 8, 8192);
-  EXPECT_EQ(few.seeds, 8);
-  EXPECT_EQ(few.spp, 1280);
-  const Work many = spread_work(100, 128, 8, 8192);
-  EXPECT_EQ(many.seeds, 13);
-  EXPECT_GE(many.seeds * many.spp, 102400);
-  EXPECT_LE(many.spp, 8192);
+TEST(Focus, NarrowIntervalsAskForNoMoreWork) {
+  EXPECT_FALSE(more_work({1, 0.9999, 1.0001}, {8, 128, 128}, 0.001, 100, 8192));
+}
+
+TEST(Focus, WorkIsSpreadOverSeedsUpToItsLimit) {
+  const auto few = more_work({1, 0.997, 1.003}, {8, 128, 128}, 0.001, 100, 8192);
+  ASSERT_TRUE(few);
+  EXPECT_EQ(few->seeds, 8);
+  const auto many = more_work({1, 0.9, 1.1}, {8, 128, 128}, 0.001, 100, 8192);
+  ASSERT_TRUE(many);
+  EXPECT_EQ(many->seeds, 13);  // of 100 x 128 x 8 paths
+  EXPECT_NEAR(many->seeds * many->cycles_spp, 102400, 13);
+  EXPECT_LE(many->cycles_spp, 8192);
+}
+
+/// The half-width that the work leaves, by the noise that the first interval tells of each side.
+double half_width_after(const Interval& first, const SidesWork& before, const SidesWork& after) {
+  const auto paths = [](int spp, int seeds) { return static_cast<double>(spp) * seeds; };
+  const double ours = paths(before.our_spp, before.seeds) / paths(after.our_spp, after.seeds);
+  const double cycles = paths(before.cycles_spp, before.seeds) / paths(after.cycles_spp, after.seeds);
+  return 0.5 * (first.high - first.low) * std::sqrt(first.share_a * ours + (1 - first.share_a) * cycles);
+}
+
+TEST(Focus, WorkReachesTheTargetWhicheverSideIsNoisy) {
+  for (const double share_a : {0.0, 0.01, 0.1, 0.5, 0.9, 1.0})
+    for (const int our_spp : {64, 128}) {
+      const Interval ratio{1, 0.99, 1.01, share_a};
+      const SidesWork first{8, our_spp, 128};
+      const auto work = more_work(ratio, first, 0.002, 1e4, 8192);
+      ASSERT_TRUE(work);
+      EXPECT_NEAR(half_width_after(ratio, first, *work), 0.002, 2e-5) << share_a << " " << our_spp;
+    }
+}
+
+TEST(Focus, TheQuieterSideGetsFewerPaths) {
+  const auto work = more_work({1, 0.99, 1.01, 0.1}, {8, 128, 128}, 0.001, 1e4, 8192);
+  ASSERT_TRUE(work);
+  EXPECT_NEAR(static_cast<double>(work->our_spp) / work->cycles_spp, std::sqrt(0.1 / 0.9 / 2), 0.01);
+  const auto equal = more_work({1, 0.99, 1.01, 0.999}, {8, 128, 128}, 0.001, 1e4, 8192);
+  ASSERT_TRUE(equal);
+  EXPECT_EQ(equal->our_spp, equal->cycles_spp);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace ohb {
 namespace {
 
 RegionResult region(const std::string& name, double value, double reach, double pixels = 1000) {
-  RegionResult result{{}, 128, 8};
+  RegionResult result{{}, {8, 128, 128}};
   result.ratio.name = name;
   result.ratio.weight_px = pixels;
   result.ratio.total = {value, value - reach, value + reach};
