@@ -30,6 +30,7 @@ CanonicalMesh mesh_of(const Scan& scan, const Regions& regions, const BakeOption
     report.size_cm[i] = bounds.high[i] - bounds.low[i];
   }
   report.triangles = mesh.model.triangles.size();
+  report.repeated_faces = mesh.repeated_faces;
   report.positions = mesh.model.positions_cm.size();
   return mesh;
 }
@@ -69,7 +70,7 @@ std::vector<Vec3f> cage_offsets(const CanonicalMesh& mesh, const Scan& scan, con
     throw InputError(cage.file.string(), "", "has other faces than " + scan.file.filename().string(),
                      "a cage is the scan itself with its points moved outwards");
   std::vector<Vec3f> offsets(mesh.model.positions_cm.size());
-  const std::vector<ScanTriangle> triangles = triangulate(scan);
+  const std::vector<ScanTriangle>& triangles = mesh.triangles;
   const float unit = static_cast<float>(mesh.model.source_unit_cm);
   for (size_t t = 0; t < triangles.size(); ++t)
     for (int c = 0; c < 3; ++c) {

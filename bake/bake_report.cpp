@@ -31,6 +31,12 @@ nlohmann::ordered_json json_of(const MapSeams& seams) {
 
 std::vector<std::string> warnings_of(const BakeReport& report) {
   std::vector<std::string> warnings;
+  if (report.repeated_faces > 0)
+    warnings.push_back(fmt::format(
+        "{} left out: exact copies of others, which would throw shadows on each other in "
+        "Blender; remove them from the scan too",
+        report.repeated_faces == 1 ? "1 face of the scan was"
+                                   : fmt::format("{} faces of the scan were", report.repeated_faces)));
   for (const SetReport& set : report.sets) {
     const auto warn = [&](const std::string& text) { warnings.push_back("set '" + set.name + "': " + text); };
     const double overlap = share(double(set.overlapping_texels), double(set.centre_texels));
@@ -87,6 +93,7 @@ nlohmann::ordered_json to_json(const BakeReport& report) {
   json["size_cm"] = report.size_cm;
   json["triangles"] = report.triangles;
   json["positions"] = report.positions;
+  json["repeated_faces"] = report.repeated_faces;
   if (!report.source.empty())
     json["source"] = {{"file", report.source},
                       {"sha256", report.source_sha256},

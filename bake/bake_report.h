@@ -57,6 +57,7 @@ struct BakeReport {
   double shift_cm[3] = {0, 0, 0};
   double size_cm[3] = {0, 0, 0};  // bounding box
   uint64_t triangles = 0, positions = 0;
+  uint64_t repeated_faces = 0;        // of the scan: exact copies, left out
   std::string source, source_sha256;  // "" without a source
   uint64_t source_triangles = 0;
   double source_unit_cm = 0, outward_cm = 0, inward_cm = 0;  // outward: 0 with a cage

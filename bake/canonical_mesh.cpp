@@ -1,8 +1,10 @@
 #include "bake/canonical_mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "bake/repeated_faces.h"
 #include "bake/texel_coverage.h"
 #include "dataset/model/error.h"
 
@@ -105,7 +107,12 @@ CanonicalMesh canonical_mesh(const Scan& scan, const Regions& regions, double un
   check_labels(scan, regions);
   CanonicalMesh mesh;
   const std::vector<uint16_t> set_of_material = make_sets(scan, mesh);
-  const std::vector<ScanTriangle> triangles = triangulate(scan);
+  const std::vector<bool> repeated = repeated_faces(scan);
+  mesh.repeated_faces = static_cast<size_t>(std::count(repeated.begin(), repeated.end(), true));
+  std::vector<ScanTriangle>& triangles = mesh.triangles = triangulate(scan);
+  triangles.erase(std::remove_if(triangles.begin(), triangles.end(),
+                                 [&](const ScanTriangle& triangle) { return repeated[triangle.face]; }),
+                  triangles.end());
   Compaction positions(scan.positions.size()), uvs(scan.uvs.size());
   for (const ScanTriangle& triangle : triangles) {
     check_uvs(scan, triangle);

@@ -40,7 +40,7 @@ void warn_about_mesh(const InspectReport& r, Warnings& warnings) {
       counted(r.non_manifold_edges, "edge has", "edges have") + " more than two faces (non-manifold)",
       "rendering works; smooth normals there mix all of them: separate the sheets if it shows");
   warnings.add(r.duplicate_faces > 0, faces(r.duplicate_faces) + " repeat another face's vertices",
-               "remove the copies: they hide each other and confuse labels");
+               "remove the copies: they hide each other and confuse labels; bake leaves exact ones out");
   warnings.add(r.repeated_vertex_faces > 0, faces(r.repeated_vertex_faces) + " use a vertex twice",
                "harmless where they have no area; dissolve degenerate faces to be rid of them");
   warnings.add(r.zero_area_faces > 0, faces(r.zero_area_faces) + " have no area",

@@ -268,6 +268,7 @@ TEST(Bake, RepeatsAndOverlapsAreReported) {
   std::vector<Quad> quads = two_charts();
   for (Vec2f& uv : quads[0].uv) uv.x -= 0.2f;  // crosses u = 0
   quads.push_back(quads[1]);
+  for (Vec3f& p : quads[2].position) p.z += 1;  // elsewhere, in the same texels
   BakeOptions options;
   options.size_px = 100;
   BakeReport report;

@@ -364,7 +364,7 @@ TEST(SourceBake, RefusesInWords) {
   Model metres = sheet(0);
   for (Vec3f& p : metres.positions_cm) p *= 0.01f;
   expect_message(refusal(metres), {"times as large as the scan", "--source-unit"});
-  const Scan twice = scan_of_model(joined(sheet(0), sheet(0)), "twice.obj"),
+  const Scan twice = scan_of_model(joined(sheet(0), sheet(0.01f)), "twice.obj"),
              good = scan_of_model(sheet(0), "h.obj");
   options.source.scan = &good;
   expect_message(input_error_of([&] { bake(twice, one_class(twice), kTable, options); }),

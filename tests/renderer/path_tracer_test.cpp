@@ -224,6 +224,23 @@ TEST(PathTracer, BitIdenticalForAnyThreadCount) {
   }
 }
 
+TEST(PathTracer, ExactCopiesOfFacesThrowNoShadowOnEachOther) {
+  const Model once = sphere_model(50, 32, constant_set({}));
+  Model twice = once;
+  twice.triangles.insert(twice.triangles.end(), once.triangles.begin(), once.triangles.end());
+  twice.normals = smooth_normals(once);
+  RenderSettings settings;
+  settings.size_px = 40;
+  settings.spp = 16;
+  const auto lights = prepare_lights({sunny_environment(500)}, {{"lamp", {50, 150, 100}, 1}});
+  const auto render = [&](const Model& model) {
+    return render_lights(*build_scene(model), *lights, fit_camera(once.positions_cm), 0.7, settings);
+  };
+  const auto of_once = render(once), of_twice = render(twice);
+  for (size_t l = 0; l < of_once.size(); ++l)
+    EXPECT_NEAR(mean_of(of_twice[l].radiance, 0) / mean_of(of_once[l].radiance, 0), 1, 1e-5) << l;
+}
+
 TEST(PathTracer, HalfTransparentSheetHalvesTheLight) {
   // A black sheet with opacity .25 in front of the lamp leaves 3/4 of the light on the plane behind.
   TestMaterial material;
