@@ -54,6 +54,40 @@ inline void occluded_eight(RTCScene scene, const int* valid, RTCRay8& rays) {
 #endif
 }
 
+#if OHB_EMBREE == 4
+using QueryContext = RTCRayQueryContext;
+#else
+using QueryContext = RTCIntersectContext;
+#endif
+
+/// Lets queries of the scene, which is not committed yet, have filters.
+inline void allow_filters(RTCScene scene, [[maybe_unused]] RTCGeometry geometry) {
+#if OHB_EMBREE == 4
+  rtcSetGeometryEnableFilterFunctionFromArguments(geometry, true);
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS);
+#else
+  rtcSetSceneFlags(scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+#endif
+}
+
+/// Any hit of up to eight rays that the filter lets stand. It is asked about each triangle that a ray meets,
+/// once and in any order, and gets `context`, which may be the first member of what it needs.
+inline void occluded_eight(RTCScene scene, const int* valid, RTCRay8& rays, RTCFilterFunctionN filter,
+                           QueryContext& context) {
+#if OHB_EMBREE == 4
+  rtcInitRayQueryContext(&context);
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.context = &context;
+  arguments.filter = filter;
+  rtcOccluded8(valid, scene, &rays, &arguments);
+#else
+  rtcInitIntersectContext(&context);
+  context.filter = filter;
+  rtcOccluded8(valid, scene, &context, &rays);
+#endif
+}
+
 /// Any hit; ray.tfar becomes negative infinity if there is one.
 inline void occluded_one(RTCScene scene, RTCRay& ray) {
 #if OHB_EMBREE == 4

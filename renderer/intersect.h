@@ -145,20 +145,26 @@ void closest_opaque(const Scene& scene, int count, const RayOf& ray_of, bool run
   }
 }
 
-/// Share of light that cut-outs let through on [0, t_far].
-inline float light_through_cutouts(const Scene& scene, const Ray& ray, float t_far, RayCounts& counts) {
-  float light = 1, t_near = 0;
-  uint32_t passed = kNoTriangle;
-  Hit layer;
-  record_ray(counts, ray, t_near, t_far, false, true);
-  while (light > 0 && intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
-    if (layer.triangle != passed) light *= 1 - std::fmin(1.0f, alpha_at(scene, layer));
-    passed = layer.triangle;
-    t_near = beyond(layer.t, t_near);
-    ++counts.shadow;
-    record_ray(counts, ray, t_near, t_far, false, true);
+/// Eight rays through cut-outs.
+struct CutoutQuery {
+  QueryContext context;  // first: Embree hands it to the filter
+  const Scene* scene;
+  float light[8] = {1, 1, 1, 1, 1, 1, 1, 1};
+  uint64_t layers = 0;
+};
+
+/// A layer of cut-outs leaves 1 - alpha of a ray's light, whose id is its place in the query.
+inline void pass_cutout(const RTCFilterFunctionNArguments* asked) {
+  auto& query = *reinterpret_cast<CutoutQuery*>(asked->context);
+  for (unsigned int i = 0; i < asked->N; ++i) {
+    if (asked->valid[i] != -1) continue;
+    const Hit hit{query.scene->opaque_count + RTCHitN_primID(asked->hit, asked->N, i),
+                  RTCHitN_u(asked->hit, asked->N, i), RTCHitN_v(asked->hit, asked->N, i), 0};
+    float& light = query.light[RTCRayN_id(asked->ray, asked->N, i)];
+    light *= 1 - std::fmin(1.0f, alpha_at(*query.scene, hit));
+    ++query.layers;
+    if (light > 0) asked->valid[i] = 0;
   }
-  return light;
 }
 
 /// What a light would bring if nothing stood between: it waits for its shadow ray.
@@ -185,10 +191,20 @@ void transmittances(const Scene& scene, const WaitingLight* lights, int count, R
     if (i < count) record_ray(counts, light.ray, 0, light.t_far, true, false);
   }
   if (scene.opaque) occluded_eight(scene.opaque, valid, r);
-  for (int i = 0; i < count; ++i) {
-    shares[i] = r.tfar[i] < 0 ? 0.0f : 1.0f;
-    if constexpr (kCutouts)
-      if (shares[i] > 0) shares[i] = light_through_cutouts(scene, lights[i].ray, lights[i].t_far, counts);
+  for (int i = 0; i < count; ++i) shares[i] = r.tfar[i] < 0 ? 0.0f : 1.0f;
+  if constexpr (kCutouts) {
+    CutoutQuery query;
+    query.scene = &scene;
+    for (int i = 0; i < count; ++i) {
+      r.id[i] = static_cast<unsigned int>(i);
+      if (!(shares[i] > 0))
+        valid[i] = 0;
+      else
+        record_ray(counts, lights[i].ray, 0, lights[i].t_far, true, true);
+    }
+    occluded_eight(scene.cutout, valid, r, pass_cutout, query.context);
+    for (int i = 0; i < count; ++i) shares[i] *= query.light[i];
+    counts.shadow += query.layers;
   }
 }
 

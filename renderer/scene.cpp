@@ -17,7 +17,7 @@ void throw_embree_error(void*, RTCError code, const char* message) {
   throw std::runtime_error("Embree error " + std::to_string(code) + ": " + message);
 }
 
-RTCScene build_bvh(RTCDevice device, const Scene& scene, uint32_t first, uint32_t count) {
+RTCScene build_bvh(RTCDevice device, const Scene& scene, uint32_t first, uint32_t count, bool is_cut) {
   if (count == 0) return nullptr;
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, scene.positions.data(),
@@ -29,6 +29,7 @@ RTCScene build_bvh(RTCDevice device, const Scene& scene, uint32_t first, uint32_
   // Splitting triangles (HIGH) takes three times as long to build, and people's even meshes are no faster by
   // it.
   rtcSetSceneBuildQuality(bvh, RTC_BUILD_QUALITY_MEDIUM);
+  if (is_cut) allow_filters(bvh, geometry);
   rtcAttachGeometry(bvh, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(bvh);
@@ -89,8 +90,8 @@ Scene::Scene(const Model& model) : positions(model.positions_cm), bounds(bounds_
   device_ = rtcNewDevice(nullptr);
   if (!device_) throw std::runtime_error("Embree found no device");
   rtcSetDeviceErrorFunction(device_, throw_embree_error, nullptr);
-  opaque = build_bvh(device_, *this, 0, opaque_count);
-  cutout = build_bvh(device_, *this, opaque_count, static_cast<uint32_t>(order.size()) - opaque_count);
+  opaque = build_bvh(device_, *this, 0, opaque_count, false);
+  cutout = build_bvh(device_, *this, opaque_count, static_cast<uint32_t>(order.size()) - opaque_count, true);
 }
 
 Scene::~Scene() {

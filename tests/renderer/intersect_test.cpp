@@ -77,5 +77,35 @@ TEST_F(Intersect, EachLayerTakesItsShareOnce) {
   EXPECT_LT(other, kRays / 10000);
 }
 
+// Strands are drawn on layers that may lie in one place; each counts for the lights, as in Cycles.
+TEST_F(Intersect, LayersInOnePlaceTakeTheirSharesEach) {
+  TextureSet set = constant_set({});
+  set.alpha = set.roughness;
+  for (float& v : set.alpha.values) v = 0.5f;
+  Model model = sphere_model(10, 24, set);
+  const std::vector<ModelTriangle> once = model.triangles;
+  for (int copies = 0; copies < 2; ++copies)
+    model.triangles.insert(model.triangles.end(), once.begin(), once.end());
+  const auto scene = build_scene(model);
+  int other = 0;
+  for (int i = 0; i < kRays / 8; ++i) {
+    // Eight at once, of which some end inside, before the far side.
+    WaitingLight lights[8];
+    float expected[8], shares[8];
+    for (int k = 0; k < 8; ++k) {
+      const Vec3f towards = random_direction();
+      const bool ends_inside = random_.next() < 0.5f;
+      lights[k] = {{Vec3f{0, 10, 0} - 30 * towards, towards},
+                   ends_inside ? 30 : std::numeric_limits<float>::infinity(),
+                   {1, 1, 1},
+                   0};
+      expected[k] = ends_inside ? 0.125f : 0.015625f;
+    }
+    transmittances<true>(*scene, lights, 8, counts_, shares);
+    for (int k = 0; k < 8; ++k) other += shares[k] != expected[k];
+  }
+  EXPECT_LT(other, kRays / 10000);
+}
+
 }  // namespace
 }  // namespace ohb
