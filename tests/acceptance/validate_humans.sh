@@ -3,13 +3,14 @@
 # Takes hours; what is finished is kept, so it can be stopped and started again. Not part of ./test.
 #   tests/acceptance/validate_humans.sh HUMANS OUT [MODEL...]
 # HUMANS holds a folder a human with <name>.obj and <name>_scan.obj (+ .labels.txt); MODEL is <name> or
-# <name>_scan (default: three humans, both variants). ENVIRONMENTS and OPTIONS may be set.
+# <name>_scan (default: three humans, both variants, and one whose hair has copies of faces). ENVIRONMENTS and
+# OPTIONS may be set.
 set -euo pipefail
 humans=$1 out=$2
 shift 2
 models=("$@")
 if [ ${#models[@]} -eq 0 ]; then
-  models=(m48_suit m48_suit_scan f25_casual f25_casual_scan m35_tee m35_tee_scan)
+  models=(m48_suit m48_suit_scan f25_casual f25_casual_scan m35_tee m35_tee_scan f40_skirt)
 fi
 program=${PROGRAM:-$(dirname "$0")/../../build/release/bin/openhumanbrdf}
 world=$(dirname "$(dirname "$(readlink -f "$(command -v blender)")")")/share/blender/datafiles/studiolights/world
