@@ -54,14 +54,21 @@ std::vector<bool> repeated_faces(const Scan& scan) {
     if (std::lexicographical_compare(begin(a), end(a), begin(b), end(b))) return -1;
     return std::equal(begin(a), end(a), begin(b), end(b)) ? 0 : 1;
   };
-  std::vector<uint32_t> order(scan.face_count());
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) {
-    const int sign = compare(a, b);
-    return sign != 0 ? sign < 0 : a < b;
+  // By the first two positions, which nearly always tell faces apart, then by all.
+  std::vector<std::pair<uint64_t, uint32_t>> order(scan.face_count());
+  for (uint32_t f = 0; f < order.size(); ++f) {
+    const Place* place = &places[scan.face_begin[f]];
+    order[f] = {uint64_t{place[0].first} << 32 | place[1].first, f};
+  }
+  std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
+    if (a.first != b.first) return a.first < b.first;
+    const int sign = compare(a.second, b.second);
+    return sign != 0 ? sign < 0 : a.second < b.second;
   });
   std::vector<bool> repeated(order.size(), false);
-  for (size_t i = 1; i < order.size(); ++i) repeated[order[i]] = compare(order[i - 1], order[i]) == 0;
+  for (size_t i = 1; i < order.size(); ++i)
+    repeated[order[i].second] =
+        order[i - 1].first == order[i].first && compare(order[i - 1].second, order[i].second) == 0;
   return repeated;
 }
 
