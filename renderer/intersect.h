@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "renderer/sampling.h"
 #include "renderer/scene.h"
@@ -149,9 +150,10 @@ void closest_opaque(const Scene& scene, int count, const RayOf& ray_of, bool run
 struct CutoutQuery {
   QueryContext context;  // first: Embree hands it to the filter
   const Scene* scene;
-  float light[8] = {1, 1, 1, 1, 1, 1, 1, 1};
-  uint64_t layers = 0;
+  /// In double: layers come in the order of Embree's tree, which no float should show.
+  double light[8] = {1, 1, 1, 1, 1, 1, 1, 1};
 };
+static_assert(std::is_standard_layout_v<CutoutQuery>);
 
 /// A layer of cut-outs leaves 1 - alpha of a ray's light, whose id is its place in the query.
 inline void pass_cutout(const RTCFilterFunctionNArguments* asked) {
@@ -160,9 +162,8 @@ inline void pass_cutout(const RTCFilterFunctionNArguments* asked) {
     if (asked->valid[i] != -1) continue;
     const Hit hit{query.scene->opaque_count + RTCHitN_primID(asked->hit, asked->N, i),
                   RTCHitN_u(asked->hit, asked->N, i), RTCHitN_v(asked->hit, asked->N, i), 0};
-    float& light = query.light[RTCRayN_id(asked->ray, asked->N, i)];
+    double& light = query.light[RTCRayN_id(asked->ray, asked->N, i)];
     light *= 1 - std::fmin(1.0f, alpha_at(*query.scene, hit));
-    ++query.layers;
     if (light > 0) asked->valid[i] = 0;
   }
 }
@@ -197,14 +198,15 @@ void transmittances(const Scene& scene, const WaitingLight* lights, int count, R
     query.scene = &scene;
     for (int i = 0; i < count; ++i) {
       r.id[i] = static_cast<unsigned int>(i);
-      if (!(shares[i] > 0))
+      if (!(shares[i] > 0)) {
         valid[i] = 0;
-      else
-        record_ray(counts, lights[i].ray, 0, lights[i].t_far, true, true);
+        continue;
+      }
+      ++counts.shadow;
+      record_ray(counts, lights[i].ray, 0, lights[i].t_far, true, true);
     }
     occluded_eight(scene.cutout, valid, r, pass_cutout, query.context);
-    for (int i = 0; i < count; ++i) shares[i] *= query.light[i];
-    counts.shadow += query.layers;
+    for (int i = 0; i < count; ++i) shares[i] *= static_cast<float>(query.light[i]);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "renderer/validation/validate.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "dataset/model/regions.h"
 #include "renderer/sampling.h"
@@ -66,7 +67,7 @@ void compare(const ImageStack& ours, const ImageStack& cycles, const std::vector
 struct Focus {
   size_t region;
   SidesWork work;
-  CyclesPass cycles, ours;
+  CyclesPass pass;  // of Cycles; ours has its own paths a pixel
 };
 
 std::vector<Focus> focus_passes(const Validation& v, const std::vector<Region>& regions) {
@@ -83,8 +84,7 @@ std::vector<Focus> focus_passes(const Validation& v, const std::vector<Region>& 
     CyclesPass pass{work->cycles_spp, cycles_seeds(mix_bits(settings.seed ^ kFocusSeeds) + i, work->seeds),
                     boxes_around(whole ? weights_of(v.pixels.foreground) : regions[i].weights,
                                  settings.size_px, settings.size_px)};
-    passes.push_back({i, *work, pass, pass});
-    passes.back().ours.spp = work->our_spp;
+    passes.push_back({i, *work, std::move(pass)});
   }
   return passes;
 }
@@ -110,7 +110,11 @@ void focus(CyclesScene& scene, const Blender& blender, const OurRenderer& render
   if (focused.empty()) return;
   std::vector<CyclesPass> our_passes;
   scene.passes.clear();
-  for (const Focus& one : focused) scene.passes.push_back(one.cycles), our_passes.push_back(one.ours);
+  for (const Focus& one : focused) {
+    scene.passes.push_back(one.pass);
+    our_passes.push_back(one.pass);
+    our_passes.back().spp = one.work.our_spp;
+  }
   const CyclesSide cycles = render_cycles_side(scene, blender, v.settings.threads, scratch);
   const OurSide ours = renderer.render(our_passes, v.settings.seed ^ kFocusSeeds);
   v.nonfinite += ours.nonfinite;
