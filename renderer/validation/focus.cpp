@@ -68,11 +68,14 @@ std::optional<SidesWork> more_work(const Interval& ratio, const SidesWork& first
   const double noise = ratio.share_a * first_share / std::max(1 - ratio.share_a, 1e-6);
   const double our_share = std::clamp(std::sqrt(noise / kTimeOfPath), 1.0 / 16, 1.0);
   const double more = factor * (1 - ratio.share_a + ratio.share_a * first_share / our_share);
-  const double paths = std::min(more, most) * first.cycles_spp * first.seeds;
+  // Where Cycles may not get what it needs, ours still does.
+  const double before = static_cast<double>(first.cycles_spp) * first.seeds;
+  const double paths = std::min(more, most) * before;
+  const double our_paths = std::min(our_share * more, most * first_share) * before;
   SidesWork work;
   work.seeds = std::max(first.seeds, static_cast<int>(std::ceil(paths / max_spp)));
   work.cycles_spp = std::min(max_spp, static_cast<int>(std::ceil(paths / work.seeds)));
-  work.our_spp = static_cast<int>(std::ceil(our_share * work.cycles_spp));
+  work.our_spp = static_cast<int>(std::ceil(our_paths / work.seeds));
   return work;
 }
 

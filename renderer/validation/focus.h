@@ -21,7 +21,7 @@ struct SidesWork {
 
 /// The work that makes the half-width of a ratio's interval (of ours to Cycles') `target` in the least time,
 /// from the interval that `first` gave: each side's paths go as the root of its noise over the time of a
-/// path. At most `most` times the paths of Cycles, and at most max_spp in one of its images. None if the
+/// path. At most `most` times each side's paths, and at most max_spp in one image of Cycles. None if the
 /// interval is that narrow already.
 std::optional<SidesWork> more_work(const Interval& ratio, const SidesWork& first, double target, double most,
                                    int max_spp);

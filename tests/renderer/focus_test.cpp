@@ -73,6 +73,19 @@ TEST(Focus, WorkReachesTheTargetWhicheverSideIsNoisy) {
     }
 }
 
+TEST(Focus, WhereCyclesMayNotGetWhatItNeedsOursStillDoes) {
+  const SidesWork first{8, 64, 64};
+  const auto work = more_work({1, 0.99, 1.01, 0.2}, first, 0.001, 8, 8192);
+  ASSERT_TRUE(work);
+  EXPECT_EQ(work->cycles_spp, 512);
+  EXPECT_EQ(work->our_spp, 512);
+  const auto quiet = more_work({1, 0.997, 1.003, 0.1}, first, 0.001, 8, 8192);
+  ASSERT_TRUE(quiet);
+  EXPECT_EQ(quiet->cycles_spp, 512);
+  EXPECT_LT(quiet->our_spp, 256);
+  EXPECT_GT(quiet->our_spp, 128);
+}
+
 TEST(Focus, TheQuieterSideGetsFewerPaths) {
   const auto work = more_work({1, 0.99, 1.01, 0.1}, {8, 128, 128}, 0.001, 1e4, 8192);
   ASSERT_TRUE(work);
