@@ -12,6 +12,8 @@ import shutil
 import sys
 from pathlib import Path
 
+# As in the previews that `label` writes.
+CLASS_COLOURS = {"skin": "#edad8c", "hair": "#73401f", "fabric": "#4582c9", "leather": "#d94038"}
 MAPS = ("normal", "diffuse", "roughness", "specular", "sss", "displacement")
 STYLE = """
 body{font:16px/1.5 system-ui,sans-serif;max-width:1180px;margin:2rem auto;padding:0 1rem;color:#222;background:#fff}
@@ -19,8 +21,13 @@ h1{margin-bottom:.2rem} h2{margin-top:2.5rem;border-bottom:1px solid #ddd;paddin
 .row{display:flex;flex-wrap:wrap;gap:12px} figure{margin:0} figcaption{font-size:.85rem;color:#555;text-align:center}
 img{display:block;max-width:100%;background:repeating-conic-gradient(#eee 0 25%,#fff 0 50%) 0 0/16px 16px}
 table{border-collapse:collapse} td,th{padding:.25rem .8rem;text-align:right;border-bottom:1px solid #eee}
-td:first-child,th:first-child{text-align:left} pre{background:#f6f6f6;padding:1rem;overflow:auto;font-size:.8rem}
+td:first-child,th:first-child{text-align:left} .chip{display:inline-block;width:.9em;height:.9em;margin-right:.5em;border:1px solid #888}
+pre{background:#f6f6f6;padding:1rem;overflow:auto;font-size:.8rem}
 """
+
+
+class Markup(str):
+    """HTML that is not to be escaped."""
 
 
 class Page:
@@ -36,6 +43,10 @@ class Page:
 
     def add(self, text):
         self.body.append(text)
+
+    def link(self, path, words=""):
+        """To a file or folder that ./demo left in OUT."""
+        return f'<a href="{path}"><code>{html.escape(words or path)}</code></a>'
 
     def heading(self, text, words=""):
         self.add(f"<h2>{html.escape(text)}</h2>")
@@ -53,8 +64,10 @@ class Page:
         self.add('<div class="row">' + "".join(figures) + "</div>")
 
     def table(self, header, rows):
+        """Cells are text; what comes as Markup is HTML already."""
         def line(cells, tag):
-            return "<tr>" + "".join(f"<{tag}>{html.escape(str(c))}</{tag}>" for c in cells) + "</tr>"
+            return "<tr>" + "".join(f"<{tag}>{c if isinstance(c, Markup) else html.escape(str(c))}</{tag}>"
+                                    for c in cells) + "</tr>"
         self.add("<table>" + line(header, "th") + "".join(line(r, "td") for r in rows) + "</table>")
 
     def write(self, title):
@@ -71,8 +84,10 @@ def read_json(path):
 
 def add_regions(page):
     report = read_json(page.out / "regions" / "report.json")
-    page.heading("1. Regions", "Each face of the scan belongs to one of four classes.")
-    rows = [(name, f"{c['faces']:,}", f"{100 * c['area_share']:.1f} %") for name, c in report["classes"].items()]
+    page.heading("1. Regions", "Each face of the scan belongs to one of four classes. The picture shows them in the layout of "
+                 f"the scan's own picture. Files: {page.link('regions/report.txt')}, {page.link('regions/faces.txt')}.")
+    rows = [(Markup(f'<span class="chip" style="background:{CLASS_COLOURS[name]}"></span>{html.escape(name)}'),
+             f"{c['faces']:,}", f"{100 * c['area_share']:.1f} %") for name, c in report["classes"].items()]
     page.table(("class", "faces", "area"), rows)
     pictures = sorted((page.out / "regions" / "maps").glob("**/*.png"))
     coloured = [p for p in pictures if "preview" in p.name or "preview" in p.parent.name] or pictures
@@ -81,7 +96,8 @@ def add_regions(page):
 
 def add_maps(page):
     page.heading("2. Six UV maps", "Baked from the scan's picture, its surface and the material table; "
-                 "as half and float EXR in <code>model/maps</code>, shown here as their previews.")
+                 f"as half and float EXR in {page.link('model/maps')}, shown here as their previews. The mesh beside them: "
+                 f"{page.link('model/mesh.obj')}.")
     for previews in sorted((page.out / "model" / "maps").glob("*/previews"))[:2]:
         found = [previews / f"{name}.png" for name in ("albedo", "normal", "roughness", "specular", "sss", "displacement")]
         page.row([page.figure(p, f"{previews.parent.name}: {p.stem}", 180) for p in found if p.exists()])
@@ -91,8 +107,8 @@ def add_samples(page):
     samples = page.out / "samples"
     report = read_json(samples / "render.json")
     previews = samples / "previews"
-    page.heading("3. Samples", "Each view is one multi-part EXR: mask, six image-space maps and one part a light. "
-                 "Frontal view:")
+    page.heading("3. Samples", "Each view is one multi-part EXR: mask, six image-space maps and one part a light "
+                 f"({page.link('samples/view_000.exr')}; how it was rendered: {page.link('samples/render.json')}). Frontal view:")
     page.row([page.figure(previews / f"view_000.{name}.png", name, 180) for name in ("mask",) + MAPS])
     lights = sorted({p.name.split(".relit.")[1][:-4] for p in previews.glob("view_000.relit.*.png")})
     for light in lights:
@@ -110,11 +126,14 @@ def add_samples(page):
 def add_validation(page):
     folder = page.out / "validation"
     report = read_json(folder / "validate.json")
-    words = {"pass": "Equal.", "difference": "Different.", "undecided": "No difference found; more samples would tell "
-             "more closely."}.get(report["verdict"], report["verdict"])
+    words, colour = {
+        "pass": ("Equal.", "#1a7f37"), "difference": ("Different.", "#b3261e"),
+        "undecided": ("No difference found, and too noisy to be sure: more samples would tell.", "#a86500"),
+    }.get(report["verdict"], (report["verdict"], "#222"))
     settings = report["settings"]
-    page.heading("4. Equal to Cycles?", f"<b>{html.escape(words)}</b> The same view in Blender {report['blender']} and here, "
-                 f"{settings['seeds']} seeds of {settings['spp']} paths a pixel on each side.")
+    page.heading("4. Equal to Cycles?", f'<b style="color:{colour}">{html.escape(words)}</b> '
+                 f"The same view in Blender {report['blender']} and here, {settings['seeds']} seeds of {settings['spp']} "
+                 "paths a pixel on each side.")
     captions = {"ours": "ours", "cycles": "Cycles", "difference": "difference, relative", "z": "Z of each 3 x 3 bin"}
     page.row([page.figure(folder / f"{name}.png", caption, 270) for name, caption in captions.items()])
     rows = [(r["name"], f"{r['pixels']:.0f}", f"{r['ratio']['value']:.4f}",
@@ -124,7 +143,7 @@ def add_validation(page):
     page.add(f"<p>{bins['accepted']} of {bins['bins']} bins of 3 x 3 pixels accepted by the Z-test. One seed took "
              f"{cost['ours']['wall_s']:.2f} s here and {cost['cycles']['wall_s']:.2f} s in Cycles; at equal error "
              f"Cycles takes {speed['wall']:.2f} times as long. "
-             "The full report is <code>validation/index.html</code> in the same folder.</p>")
+             f"The full report: {page.link('validation/index.html')}.</p>")
     for reason in report["reasons"]:
         page.add(f"<p>{html.escape(reason)}</p>")
 
@@ -133,7 +152,8 @@ def add_chart(page):
     folder = page.out / "chart"
     report = read_json(folder / "chart.json")
     page.heading("5. Error against time", "The same view with 4, 16 and 64 paths a pixel, here and in Cycles "
-                 "(<code>openhumanbrdf chart speed-accuracy</code>; times of this run, on this machine).")
+                 "(<code>openhumanbrdf chart speed-accuracy</code>; times of this run, on this machine, which did nothing "
+                 f"else if you let it). The figures: {page.link('chart/chart.csv')}.")
     page.row([page.figure(folder / "chart.svg", "error of one image against its time, loading included", 820)])
     for ratio in report["times_to_equal_error"]:
         page.add(f"<p>To an error of {100 * ratio['relative_error']:.2f} %: {html.escape(ratio['cycles'])} takes "
@@ -177,7 +197,7 @@ def add_estimate(page):
     estimate, previews = page.out / "estimate", page.out / "samples" / "previews"
     page.heading("7. From one picture", "The weights that come with the project never saw this person. From the picture on "
                  "the left they estimate six maps (upper row, 128 x 128 pixels); the truth is below. What they can and "
-                 "cannot do: <code>assets/weights/model_card.md</code>.")
+                 f"cannot do: {page.link('model_card.md')}. The maps, for Blender's add-on: {page.link('estimate/maps.json')}.")
     page.row([page.figure(estimate / "input.png", "input", 150)] +
              [page.figure(estimate / f"{name}.png", f"{name}, estimated", 150) for name in MAPS])
     page.row([page.figure(previews / "view_000.relit.studio.png", "the picture", 150)] +
@@ -186,8 +206,8 @@ def add_estimate(page):
 
 def add_relit(page):
     page.heading("8. Relit and edited in Blender", "The estimate as a relief in Blender, under another environment (sunset); "
-                 "then with its fabric made shiny leather, and with auburn hair.")
-    captions = {"none": "relit", "fabric_shiny_leather": "fabric to shiny leather", "hair_auburn": "auburn hair"}
+                 "then with what it takes for fabric made shiny leather, and with blond hair.")
+    captions = {"none": "relit", "fabric_shiny_leather": "fabric to shiny leather", "hair_blond": "blond hair"}
     page.row([page.figure(page.out / "relit" / f"{name}.png", caption, 360) for name, caption in captions.items()])
 
 
@@ -204,9 +224,11 @@ def main():
     if len(sys.argv) != 3:
         sys.exit(__doc__)
     page = Page(Path(sys.argv[1]))
+    card = Path(__file__).resolve().parent.parent / "weights" / "model_card.md"
+    shutil.copyfile(card, page.out / "model_card.md")
     page.add("<h1>OpenHumanBRDF: the main job on one person</h1>")
     page.add("<p>A scanned human, from its mesh and picture to a finished sample: regions, six material maps, "
-             "relit views, and the proof against Blender Cycles; and back, "
+             "relit views, and a comparison with Blender Cycles; and back, "
              "from one picture to estimated maps, relit and edited in Blender.</p>")
     views = page.out / "samples" / "previews"
     page.row([page.figure(p, p.name.split(".relit.")[1][:-4], 360) for p in sorted(views.glob("view_000.relit.*.png"))])

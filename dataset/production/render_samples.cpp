@@ -20,6 +20,11 @@ namespace ohb {
 namespace fs = std::filesystem;
 namespace {
 
+/// To two digits: what is above 1 never reads 1.00.
+double rounded_up(double ratio) {
+  return std::ceil(100 * ratio) / 100;
+}
+
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
@@ -255,10 +260,10 @@ std::vector<SampleLight> render_goal(const Scene& scene, const LightSet& lights,
   const RegionError* worst = rendered.error.worst();
   if (!rendered.error.met && worst)
     spdlog::warn(
-        "view {}: the error is {:.3g} instead of {:.3g} ({} under {}) after {:.0f} paths a pixel; for less, "
-        "raise --max-spp",
-        rendered.view, worst->relative_error, goal.relative_error, worst->region, worst->light,
-        rendered.error.spp);
+        "view {}: the error is {:.2f} times the goal of {:.3g} ({} under {}) after {:.0f} paths a pixel; for "
+        "less, raise --max-spp",
+        rendered.view, rounded_up(worst->relative_error / goal.relative_error), goal.relative_error,
+        worst->region, worst->light, rendered.error.spp);
   return images;
 }
 

@@ -5,10 +5,12 @@ usage: demo_test.py SOURCE_DIR SCREENSHOT.png
 import os
 import re
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import zlib
 from pathlib import Path
 
 SOURCE, SCREENSHOT = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
@@ -18,6 +20,34 @@ PROBE = """<script>window.addEventListener("load", () => {
   document.documentElement.dataset.pictures = document.images.length;
   document.documentElement.dataset.broken = broken;
 });</script>"""
+
+
+def pixels_of_png(path):
+    """RGB of every pixel of an 8-bit RGB picture, by the standard library alone."""
+    data, position, packed = path.read_bytes(), 8, b""
+    while position < len(data):
+        size, kind = struct.unpack(">I4s", data[position:position + 8])
+        body = data[position + 8:position + 8 + size]
+        if kind == b"IHDR":
+            width, height, depth, colour_type = struct.unpack(">IIBB", body[:10])
+            assert (depth, colour_type) == (8, 2), (depth, colour_type)
+        packed += body if kind == b"IDAT" else b""
+        position += size + 12
+    raw, above, stride = zlib.decompress(packed), bytes(3 * width), 3 * width
+    for y in range(height):
+        line = bytearray(raw[y * (stride + 1) + 1:(y + 1) * (stride + 1)])
+        unfilter(raw[y * (stride + 1)], line, above)
+        yield from zip(line[0::3], line[1::3], line[2::3])
+        above = line
+
+
+def unfilter(kind, line, above):
+    for i in range(len(line)):
+        left, corner = (line[i - 3], above[i - 3]) if i >= 3 else (0, 0)
+        up = above[i]
+        estimate = left + up - corner
+        paeth = min((left, up, corner), key=lambda v: abs(estimate - v))
+        line[i] = (line[i] + (0, left, up, (left + up) // 2, paeth)[kind]) & 255
 
 
 def chromium(page, *options):
@@ -57,6 +87,22 @@ class DemoPage(unittest.TestCase):
         for source in re.findall(r'(?:src|href)="([^"]*)"', text):
             self.assertFalse(source.startswith(("http", "file:", "/", "..")), source)
         self.assertNotIn("nan", re.sub(r"<[^>]*>", " ", text).lower().split())
+
+    def test_links_lead_somewhere(self):
+        links = re.findall(r'<a href="([^"]*)"', (self.mailed / "index.html").read_text(encoding="utf-8"))
+        self.assertGreater(len(links), 8)
+        self.assertEqual([link for link in links if not (self.mailed / link).exists()], [])
+
+    def test_the_legend_has_the_colours_of_the_label_map(self):
+        """Each class that has faces shows its legend's colour in the map of classes, as Chromium draws both."""
+        text = (self.mailed / "index.html").read_text(encoding="utf-8")
+        legend = re.findall(r'class="chip" style="background:(#[0-9a-f]{6})"', text)
+        self.assertEqual(len(legend), 4)
+        picture = next((self.mailed / "regions" / "maps").glob("*/classes_preview.png"))
+        colours = {tuple(rgb) for rgb in pixels_of_png(picture)}
+        for colour in legend:
+            rgb = tuple(int(colour[i:i + 2], 16) for i in (1, 3, 5))
+            self.assertTrue(any(max(abs(a - b) for a, b in zip(rgb, seen)) <= 1 for seen in colours), colour)
 
     def test_keeps_a_screenshot(self):
         result = chromium(self.mailed / "index.html", f"--screenshot={SCREENSHOT}", "--window-size=1240,3200")

@@ -4,7 +4,8 @@
 The maps are averages of the table's materials over a pixel, so a pixel on a border holds a mixture. Three of the four
 materials lie almost on one line (a mixture of fabric and leather looks like hair), so a pixel alone does not tell: a
 pixel is first given the nearest class, then that of most pixels around it, and last, on borders, split between the
-two classes nearby whose mixture fits it best.
+two classes nearby whose mixture fits it best. An estimate may be half fabric, half leather over a whole sleeve, which
+looks like hair too: so where there is hair on the head, hair is only what is connected to it.
 """
 import json
 import os
@@ -20,6 +21,8 @@ NAMES = tuple(entry["name"] for entry in TABLE)
 SSS_SCALE = 5.0         # subsurface counts five times: its range is a tenth of the others'
 VOTE_RADIUS_PX = 2      # 5 x 5 pixels vote
 BORDER_RADIUS_PX = 2    # mixtures are looked for this near to another class
+HEAD_SHARE = 1 / 8      # of the person's height in the picture: hair on the head reaches into it
+HAIR = NAMES.index("hair")
 NOTHING = 255
 
 
@@ -52,6 +55,8 @@ def shares_of_materials(f0, roughness, sss, pixels, width, height):
             known[point] = nearest_class(point)
         nearest[p] = known[point]
     voted = vote(nearest, pixels, width, height)
+    for p in stray_hair(voted, pixels, width, height):
+        voted[p] = nearest_class(points[p], without=HAIR)
     shares = decode.zeros(4 * width * height)
     for p in pixels:
         nearby = _classes_around(voted, p, width, height, BORDER_RADIUS_PX)
@@ -64,8 +69,37 @@ def shares_of_materials(f0, roughness, sss, pixels, width, height):
     return shares
 
 
-def nearest_class(point):
-    return min(range(len(FEATURES)), key=lambda c: _distance2(point, FEATURES[c]))
+def nearest_class(point, without=NOTHING):
+    return min((c for c in range(len(FEATURES)) if c != without), key=lambda c: _distance2(point, FEATURES[c]))
+
+
+def stray_hair(labels, pixels, width, height):
+    """Pixels of the pieces of hair that do not reach into the head; none where no piece does."""
+    if not pixels:
+        return []
+    rows = [p // width for p in pixels]
+    head_end = min(rows) + HEAD_SHARE * (max(rows) + 1 - min(rows))
+    on_head, stray = False, []
+    for piece in _pieces(labels, HAIR, width, height):
+        if min(piece) // width < head_end:
+            on_head = True
+        else:
+            stray += piece
+    return stray if on_head else []
+
+
+def _pieces(labels, wanted, width, height):
+    """Connected pixels of one class, neighbours by edge: a list for each piece."""
+    left = {p for p in range(width * height) if labels[p] == wanted}
+    while left:
+        piece = [left.pop()]
+        for p in piece:
+            x = p % width
+            for q in (p - width, p + width, p - 1 if x else -1, p + 1 if x + 1 < width else -1):
+                if q in left:
+                    left.remove(q)
+                    piece.append(q)
+        yield piece
 
 
 def vote(labels, pixels, width, height):

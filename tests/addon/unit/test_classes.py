@@ -58,6 +58,34 @@ class Classes(unittest.TestCase):
             hits = sum(found[4 * p + truth[p].index(1)] > 0.5 for p in range(width * height))
             self.assertGreaterEqual(hits / (width * height), right, noise)
 
+    def picture_of(self, rows, sleeve):
+        """A person of 32 x 32: hair above skin above fabric, and a sleeve of an estimate between two materials."""
+        width = height = 32
+        between = [0, 0, 1 - sleeve, sleeve]
+        truth = [between if x < 10 and y >= 12 else one(1 if y < rows[0] else 0 if y < rows[1] else 2)
+                 for y in range(height) for x in range(width)]
+        return truth, decoded(truth, width, height)
+
+    def test_a_sleeve_that_looks_like_hair_is_none(self):
+        """Half fabric, half leather is what hair is made of; away from the hair on the head it is not hair."""
+        truth, found = self.picture_of((3, 8), 0.55)
+        sleeve = [p for p in range(32 * 32) if truth[p] == [0, 0, 0.44999999999999996, 0.55]]
+        self.assertEqual(len(sleeve), 200)
+        self.assertEqual(max(found[4 * p + 1] for p in sleeve), 0)
+        self.assertGreater(min(found[4 * p + 1] for p in range(32 * 2)), 0.99)
+
+    def test_without_hair_on_the_head_nothing_changes(self):
+        truth, found = self.picture_of((0, 8), 0.55)
+        sleeve = [p for p in range(32 * 32) if 0.5 < truth[p][3] < 0.6 and p % 32 < 6 and p // 32 > 18]
+        self.assertGreater(min(found[4 * p + 1] for p in sleeve), 0.99)
+
+    def test_hair_that_hangs_down_stays(self):
+        """A braid to the hips is one piece with the hair on the head."""
+        width = height = 32
+        truth = [one(1 if y < 3 or (14 <= x < 18 and y < 25) else 2) for y in range(height) for x in range(width)]
+        found = decoded(truth, width, height)
+        self.assertLess(self.worst(truth, found), 1e-4)
+
     def test_shares_sum_to_one(self):
         rng = random.Random(3)
         values = array("f", [rng.random() for _ in range(300)])
