@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/camera.h"
 #include "dataset/model/error.h"
 
@@ -138,7 +139,10 @@ EstimateReport estimate(const EstimateOptions& options) {
   report.crop = crop_around(mask);
   report.finetuned = estimator.has_finetune();
   const Foreground foreground = foreground_of(photo, mask, report.crop, report.size_px);
-  AtomicFolder folder(options.output);
+  std::vector<fs::path> inputs = options.weights;
+  inputs.push_back(options.photo);
+  if (options.mask) inputs.push_back(*options.mask);
+  AtomicFolder folder(options.output, "maps", inputs);
   const auto start = std::chrono::steady_clock::now();
   const MaterialMaps maps = on_black(estimator.estimate(foreground.input), foreground.mask);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -4,6 +4,7 @@
 
 #include "dataset/cli/commands.h"
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
 #include "renderer/validation/speed_accuracy.h"
@@ -51,7 +52,9 @@ int run_chart(const Options& options, const CommonOptions& common) {
     for (const std::string& file : options.environments) environments.push_back(read_environment(file));
     settings.environment_read_s = of_environments.wall_s() / static_cast<double>(environments.size());
   }
-  AtomicFolder folder(options.output);
+  std::vector<fs::path> inputs(options.environments.begin(), options.environments.end());
+  inputs.push_back(options.model);
+  AtomicFolder folder(options.output, "chart of speed and accuracy", inputs);
   const fs::path scratch = folder.path() / "scenes";
   fs::create_directories(scratch);
   const SpeedAccuracy chart = measure_speed_accuracy(model, environments, settings, scratch);
@@ -93,7 +96,7 @@ int run_stress_chart(const StressOptions& options, const CommonOptions& common) 
   const fs::path file =
       options.catalogue.empty() ? program_file("tests/stress/catalogue.json") : fs::path(options.catalogue);
   const std::vector<StressCase> catalogue = read_stress_catalogue(file);
-  AtomicFolder folder(options.output);
+  AtomicFolder folder(options.output, "chart of hard cases", {file});
   const fs::path scratch = folder.path() / "scenes";
   const std::vector<StressCaseResult> results = run_stress(catalogue, settings, scratch);
   fs::remove_all(scratch);

@@ -4,6 +4,7 @@
 
 #include "dataset/cli/commands.h"
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/error.h"
 #include "dataset/production/bake_fidelity.h"
 #include "dataset/production/source_materials.h"
@@ -35,7 +36,8 @@ int run_bake_chart(const Options& options, const CommonOptions& common) {
   if (options.hard_borders) inputs->options.class_weights.clear();
   if (settings.map_sizes_px.empty()) settings.map_sizes_px = usual_sizes(largest_picture_px(inputs->scan));
   const Environment environment = read_environment(options.environment);
-  AtomicFolder folder(options.output);
+  AtomicFolder folder(options.output, "chart of bakes",
+                      {options.job.scan, options.job.regions, options.job.materials, options.environment});
   const BakeFidelity fidelity = measure_bake_fidelity(*inputs, environment, settings);
   write_file_atomically(folder.path() / "chart.csv", fidelity_csv(fidelity));
   write_file_atomically(folder.path() / "chart.json", fidelity_json(fidelity));

@@ -4,6 +4,7 @@
 
 #include "dataset/cli/commands.h"
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
 #include "dataset/production/bake_stress.h"
@@ -31,7 +32,7 @@ int run_stress_bake(const Options& options, const CommonOptions& common) {
   const fs::path file = options.catalogue.empty() ? program_file("tests/stress/bake_catalogue.json")
                                                   : fs::path(options.catalogue);
   const std::vector<BakeStressCase> catalogue = read_bake_stress_catalogue(file);
-  AtomicFolder folder(options.output);
+  AtomicFolder folder(options.output, "chart of hard bakes", {file});
   const fs::path scratch = folder.path() / "pictures";
   fs::create_directories(scratch);
   const std::vector<BakeStressCaseResult> results = run_bake_stress(catalogue, options.only, scratch);

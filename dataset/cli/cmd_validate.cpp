@@ -3,6 +3,7 @@
 
 #include "dataset/cli/commands.h"
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/error.h"
 #include "renderer/validation/report.h"
 
@@ -54,7 +55,7 @@ int run_validate(Options options, const CommonOptions& common) {
   settings.seed = common.seed;
   const Model model = read_model(options.model, ModelParts::kForRendering);
   const Environment environment = read_environment(options.environment);
-  AtomicFolder folder(options.output);
+  AtomicFolder folder(options.output, "report of validate", {options.model, options.environment});
   const fs::path scratch = folder.path() / "scene";
   fs::create_directories(scratch);
   const Validation validation = validate(model, environment, settings, scratch);

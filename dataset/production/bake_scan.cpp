@@ -5,12 +5,14 @@
 #include <algorithm>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
 #include "dataset/model/mesh_topology.h"
 #include "dataset/model/model_files.h"
 #include "dataset/model/scan_unit.h"
 #include "dataset/production/normal_convention.h"
+#include "dataset/production/picture_files.h"
 #include "dataset/production/uv_layout.h"
 
 namespace ohb {
@@ -143,8 +145,9 @@ std::string to_text(const BakeScanReport& report) {
 }
 
 BakeScanReport bake_scan(const BakeJob& job) {
-  AtomicFolder folder(job.output);
+  AtomicFolder folder(job.output, "model", {job.scan, job.regions, job.materials, job.source, job.cage});
   const std::unique_ptr<BakeInputs> inputs = read_bake_inputs(job);
+  for (const Scan* scan : {&inputs->scan, &inputs->source}) folder.protect(picture_files(*scan));
   BakeScanReport report;
   const fs::path scratch = folder.path() / "delit";
   if (job.delights) {

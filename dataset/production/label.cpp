@@ -6,10 +6,12 @@
 #include "dataset/labelling/face_colours.h"
 #include "dataset/labelling/labeller.h"
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
 #include "dataset/model/scan_unit.h"
 #include "dataset/production/label_maps.h"
+#include "dataset/production/picture_files.h"
 
 namespace ohb {
 namespace fs = std::filesystem;
@@ -214,8 +216,9 @@ LabelReport label_scan(const LabelJob& job) {
   if (!job.rules.empty() + !job.faces.empty() + !job.strokes.empty() + job.automatic > 1)
     throw InputError("", "--rules", "--faces, --strokes and --automatic exclude each other",
                      "give one of them");
-  AtomicFolder folder(job.output);
+  AtomicFolder folder(job.output, "regions", {job.scan, job.rules, job.faces, job.strokes, job.truth});
   const Scan scan = read_scan(job.scan);
+  folder.protect(picture_files(scan));
   const std::vector<double> areas = face_areas(scan);
   LabelReport report;
   report.scan = job.scan.filename().string();

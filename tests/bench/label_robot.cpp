@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
 #include "tests/bench/robot_run.h"
@@ -54,7 +55,7 @@ int run(const std::vector<std::string>& files, bool is_stress, bool is_ours_alon
         const std::string& output) {
   std::vector<RobotHuman> humans;
   for (const std::string& file : files) humans.push_back(read_robot_human(file));
-  AtomicFolder folder(output);
+  AtomicFolder folder(output, "chart of labels");
   if (is_stress) return run_stress(humans, strokes, folder);
   std::vector<RobotPoint> points;
   compare_methods(humans, is_ours_alone, strokes, points);

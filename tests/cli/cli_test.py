@@ -244,6 +244,27 @@ class Commands(unittest.TestCase):
         self.expect_refusal(run("label", self.scan, "-o", mine), "was not written by this program")
         self.assertEqual((mine / "thesis.tex").read_text(), "years of work")
 
+    def test_replaces_only_its_like(self):
+        model, regions = self.folder / "kinds_model", self.folder / "kinds_regions"
+        shutil.copytree(self.folder / "regions", regions)
+        bake = ["bake", self.scan, "--size", 32, "--regions", self.folder / "regions", "-o"]
+        self.assertEqual(run(*bake, model).returncode, DONE)
+        before = digest(model)
+        self.expect_refusal(run("label", self.scan, "-o", model), "holds model", "regions would be", "another -o")
+        self.expect_refusal(run("bake", self.scan, "--regions", regions, "-o", regions), "holds regions")
+        self.expect_refusal(run("label", self.scan, "--faces", regions / "faces.txt", "-o", regions), "faces.txt",
+                            "which this command reads")
+        (model / "notes.txt").write_text("texels to look at again")
+        self.expect_refusal(run(*bake, model), "'notes.txt'", "move what you want to keep")
+        (model / "notes.txt").unlink()
+        self.assertEqual(digest(model), before)
+        # A link is followed, and stays.
+        (self.folder / "kinds_link").symlink_to("kinds_model", target_is_directory=True)
+        self.assertEqual(run(*bake, self.folder / "kinds_link").returncode, DONE)
+        self.assertTrue((self.folder / "kinds_link").is_symlink())
+        self.assertEqual(digest(model), before)
+        self.assertEqual(self.leftovers(), [])
+
     def test_bad_environments(self):
         cases = {"black.hdr": ((16, 8, (0, 0, 0, 0)), "all black"), "square.hdr": ((8, 8, (128, 128, 128, 129)), "2:1")}
         for name, (arguments, words) in cases.items():

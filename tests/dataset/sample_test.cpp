@@ -135,44 +135,5 @@ TEST(Environment, SlightUndershootIsSetToZero) {
   EXPECT_EQ(environment.radiance.pixel(3, 2)[0], 1);
 }
 
-TEST(AtomicFile, NothingHalfWrittenStays) {
-  const TemporaryFolder folder;
-  write_file_atomically(folder / "kept.txt", "old");
-  EXPECT_ANY_THROW(write_file_atomically(folder / "kept.txt", [](const std::filesystem::path& temporary) {
-    write_file_atomically(temporary.string() + ".side", "x");
-    std::filesystem::remove(temporary.string() + ".side");
-    throw std::runtime_error("power cut");
-  }));
-  EXPECT_EQ(read_file(folder / "kept.txt"), "old");
-  size_t files = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) files += entry.exists();
-  EXPECT_EQ(files, 1u);
-}
-
-TEST(AtomicFolder, ReplacesOnlyItsOwn) {
-  const TemporaryFolder folder;
-  {
-    AtomicFolder out(folder / "out");
-    write_file_atomically(out.path() / "a.txt", "1");
-    out.commit();
-  }
-  EXPECT_EQ(read_file(folder / "out" / "a.txt"), "1");
-  {
-    AtomicFolder again(folder / "out");
-    write_file_atomically(again.path() / "b.txt", "2");
-  }
-  EXPECT_TRUE(std::filesystem::exists(folder / "out" / "a.txt")) << "without commit the old one stays";
-  {
-    AtomicFolder again(folder / "out");
-    write_file_atomically(again.path() / "b.txt", "2");
-    again.commit();
-  }
-  EXPECT_FALSE(std::filesystem::exists(folder / "out" / "a.txt"));
-  std::filesystem::create_directory(folder / "mine");
-  write_file_atomically(folder / "mine" / "thesis.tex", "years of work");
-  expect_message(input_error_of([&] { AtomicFolder out(folder / "mine"); }),
-                 {"mine", "was not written by this program"});
-}
-
 }  // namespace
 }  // namespace ohb
