@@ -7,6 +7,11 @@
 
 namespace ohb {
 
+/// A position as files hold it, before it is stored in single precision.
+struct Vec3d {
+  double x = 0, y = 0, z = 0;
+};
+
 /// Three rows of four: p' = A p + t. The identity by default.
 struct Affine {
   std::array<double, 12> m{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
@@ -27,6 +32,11 @@ inline Vec3f transformed(const Affine& a, double x, double y, double z) {
   const auto row = [&](int i) {
     return static_cast<float>(a(i, 0) * x + a(i, 1) * y + a(i, 2) * z + a(i, 3));
   };
+  return {row(0), row(1), row(2)};
+}
+
+inline Vec3d transformed(const Affine& a, Vec3d p) {
+  const auto row = [&](int i) { return a(i, 0) * p.x + a(i, 1) * p.y + a(i, 2) * p.z + a(i, 3); };
   return {row(0), row(1), row(2)};
 }
 

@@ -39,6 +39,15 @@ void check_names(const Scan& scan) {
 }
 
 void check_numbers(const Scan& scan) {
+  for (const ScanMaterial& material : scan.materials)
+    if (!(material.opacity >= 0 && material.opacity <= 1) || !is_finite(material.diffuse_factor))
+      throw InputError(scan.file.string(), "material '" + material.name + "'",
+                       "has an opacity or a colour that is none", "correct the material");
+  for (size_t c = 0; c < scan.corner_colours.size(); ++c)
+    if (!is_finite(scan.corner_colours[c].rgb) ||
+        !(scan.corner_colours[c].alpha >= 0 && scan.corner_colours[c].alpha <= 1))
+      throw InputError(scan.file.string(), numbered("corner", c), "has a colour that is none",
+                       "remove the colours at the vertices or correct them");
   for (size_t i = 0; i < scan.positions.size(); ++i)
     if (!is_finite(scan.positions[i]))
       throw InputError(scan.file.string(), numbered("vertex", i), "is not finite",
@@ -96,6 +105,8 @@ Scan read_scan(const fs::path& file) {
   check_names(scan);
   check_numbers(scan);
   split_udim_tiles(scan);
+  settle_pictures(scan);
+  settle_opacity(scan);
   return scan;
 }
 
@@ -118,16 +129,6 @@ ScanPicture embed_picture(const fs::path& scan_file, const std::string& name, st
   probe_image_bytes(bytes, picture.file.string());
   picture.embedded = std::make_shared<const std::string>(std::move(bytes));
   return picture;
-}
-
-Image read_image(const ScanPicture& picture, ImageFileInfo* info) {
-  return picture.embedded ? read_image_bytes(*picture.embedded, picture.file.string(), info)
-                          : read_image(picture.file, info);
-}
-
-ImageFileInfo probe_image(const ScanPicture& picture) {
-  return picture.embedded ? probe_image_bytes(*picture.embedded, picture.file.string())
-                          : probe_image(picture.file);
 }
 
 bool is_normal_map(const ScanPicture& picture) {

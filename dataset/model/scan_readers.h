@@ -40,6 +40,19 @@ std::string first_udim_tile(const std::filesystem::path& folder, const std::stri
 /// InputError for a tile whose picture is missing, and for faces outside the tiles.
 void split_udim_tiles(Scan& scan);
 
+/// Makes the views of pictures plain where UVs can be moved for it: UVs of a material are moved as its first
+/// picture's view says, and brought from all tiles that they use into [0,1] where a picture does not repeat
+/// (so that one map shows it all). Views that are left are read_image()'s matter. Throws InputError for a
+/// view that is not finite or too large.
+void settle_pictures(Scan& scan);
+
+/// Sets has_vertex_colours, has_vertex_alpha and, without an alpha picture, the opacity that a cutoff leaves.
+void settle_opacity(Scan& scan);
+
+/// Stores positions in single precision. Where that would lose detail (they lie 100 times as far from the
+/// origin as they are apart) a round offset is taken off first, stated in removed_offset and the notes.
+void store_positions(Scan& scan, const std::vector<Vec3d>& positions);
+
 /// An embedded picture, checked to be an image. `name` makes the key unique within `scan_file`.
 ScanPicture embed_picture(const std::filesystem::path& scan_file, const std::string& name, std::string bytes);
 
