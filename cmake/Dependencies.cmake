@@ -1,10 +1,13 @@
 # Every library that the core uses; packages.txt names the Debian packages that hold them.
-find_package(OpenImageIO REQUIRED)
-# Debian's package names OpenCV's headers, which it neither needs here nor brings along.
-get_target_property(oiio_includes OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)
-list(FILTER oiio_includes EXCLUDE REGEX "opencv")
-set_target_properties(OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${oiio_includes}")
 find_package(OpenEXR REQUIRED)
+# Debian's package configuration of OpenImageIO wants the programs of openimageio-tools too, and fails without them; the
+# library itself is these three.
+find_path(OHB_OIIO_INCLUDES OpenImageIO/imageio.h REQUIRED)
+find_library(OHB_OIIO OpenImageIO REQUIRED)
+find_library(OHB_OIIO_UTIL OpenImageIO_Util REQUIRED)
+add_library(OpenImageIO::OpenImageIO INTERFACE IMPORTED)
+target_include_directories(OpenImageIO::OpenImageIO INTERFACE ${OHB_OIIO_INCLUDES})
+target_link_libraries(OpenImageIO::OpenImageIO INTERFACE ${OHB_OIIO} ${OHB_OIIO_UTIL} Imath::Imath)
 find_package(embree 4 QUIET)
 if(NOT embree_FOUND)
   find_package(embree 3 REQUIRED)
