@@ -18,7 +18,7 @@ struct Options {
   std::vector<std::string> environments, points;
   int size_px = 512, spp = 256, bounces = 32;
   double error = 0, tolerance = RenderJob().tolerance;
-  bool tolerance_given = false;
+  bool tolerance_given = false, overwrites = false;
   int max_spp = ErrorGoal().max_spp;
 };
 
@@ -44,6 +44,7 @@ int run_render(const Options& options, const CommonOptions& common) {
   if (job.quality != Quality::kAuto && options.tolerance_given)
     throw InputError("", "--tolerance", "needs --quality auto", "give both, or neither");
   job.output = options.output;
+  job.overwrites = options.overwrites;
   const RenderReport report = render_samples(job);
   if (common.json) {
     std::printf("%s", read_file(job.output / "render.json").c_str());
@@ -147,6 +148,8 @@ void add_render_command(CLI::App& app, Commands& commands) {
           "of --quality auto: root mean square change of a light's image, relative (default 0.02)")
       ->check(within(1e-4, 1.0));
   command->add_option("-o,--output", options->output, "folder for the samples")->required();
+  command->add_flag("--overwrite", options->overwrites,
+                    "replace the views in that folder if they are of other settings (else they are refused)");
   add_common_options(*command, commands.common);
   command->footer(
       "Examples:\n"

@@ -1,5 +1,9 @@
 #include "dataset/model/sample.h"
 
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfStringAttribute.h>
+
 #include <cmath>
 
 #include "dataset/model/error.h"
@@ -96,6 +100,21 @@ Sample read_sample(const std::filesystem::path& file) {
   for (auto& attribute : attributes)
     if (attribute.first.rfind("ohb:", 0) == 0) sample.attributes.push_back(std::move(attribute));
   return sample;
+}
+
+ExrAttributes read_sample_attributes(const std::filesystem::path& file) {
+  try {
+    const Imf::MultiPartInputFile input(file.c_str(), 0, false);
+    ExrAttributes attributes;
+    const Imf::Header& header = input.header(0);
+    for (auto i = header.begin(); i != header.end(); ++i)
+      if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&i.attribute()))
+        if (std::string(i.name()).rfind("ohb:", 0) == 0) attributes.emplace_back(i.name(), text->value());
+    return attributes;
+  } catch (const std::exception& error) {
+    throw InputError(file.string(), "", std::string("is no sample that can be read: ") + error.what(),
+                     "render the sample again");
+  }
 }
 
 }  // namespace ohb

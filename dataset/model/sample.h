@@ -36,6 +36,9 @@ struct Sample {
 /// normal and displacement are float, the rest half. Equal samples give equal bytes.
 void write_sample(const std::filesystem::path& file, const Sample& sample);
 
+/// Its attributes alone, from the header: a small part of the time. Throws InputError if that cannot be read.
+ExrAttributes read_sample_attributes(const std::filesystem::path& file);
+
 /// Throws InputError for a missing part, a part of another size, or NaN values.
 Sample read_sample(const std::filesystem::path& file);
 

@@ -7,13 +7,13 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <set>
 
-#include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
 #include "dataset/model/interrupt.h"
+#include "dataset/model/model_identity.h"
 #include "dataset/model/progress.h"
+#include "dataset/production/sample_output.h"
 #include "dataset/production/sample_previews.h"
 
 namespace ohb {
@@ -47,99 +47,6 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
-std::string shortest(double value) {
-  char buffer[64];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
-
-const char* quality_name(Quality quality) {
-  return quality == Quality::kAuto ? "auto" : quality == Quality::kFast ? "fast" : "reference";
-}
-
-ExrAttributes attributes_of(const RenderJob& job, const Model& model, const std::string& model_sha256,
-                            const std::vector<Environment>& environments, const Camera& camera, int view) {
-  const RenderSettings& s = job.settings;
-  ExrAttributes a = {
-      {"ohb:human", model.name},
-      {"ohb:modelHash", model_sha256},
-      {"ohb:view", std::to_string(view)},
-      {"ohb:viewCount", std::to_string(job.views.count)},
-      {"ohb:turn_deg", shortest(360.0 * view / job.views.count)},
-      {"ohb:seed", std::to_string(s.seed)},
-      {job.goal ? "ohb:maxSpp" : "ohb:spp", std::to_string(job.goal ? job.goal->max_spp : s.spp)},
-      {"ohb:sampling", s.adaptive ? "adaptive" : "even"},
-      {"ohb:maxBounces", std::to_string(s.max_bounces)},
-      {"ohb:mapGrid", std::to_string(s.map_grid)},
-      {"ohb:subsurface", s.subsurface ? "random walk" : "replaced by diffuse"},
-      {"ohb:unit", "cm"},
-      {"ohb:cameraCenterY_cm", shortest(camera.center_y_cm)},
-      {"ohb:cameraDistance_cm", shortest(camera.distance_cm)},
-      {"ohb:cameraHalfWidth", shortest(camera.half_width)},
-      {"ohb:displacementRange_cm", shortest(camera.half_frame_cm())},
-      {"ohb:conventions",
-       "normal: camera space, +X right, +Y up, +Z to the viewer; specular: S, F0 = sRGB_to_linear(S); "
-       "roughness: alpha = roughness^2; displacement: cm from the plane z = 0 towards the camera; "
-       "relit: linear Rec. 709, premultiplied by mask"},
-      {"ohb:toolVersion", OHB_VERSION},
-  };
-  a.emplace_back("ohb:quality", quality_name(job.quality));
-  if (job.quality == Quality::kAuto) a.emplace_back("ohb:tolerance", shortest(job.tolerance));
-  if (job.goal) a.emplace_back("ohb:error", shortest(job.goal->relative_error));
-  // Samples of v1 keep the attributes that they had before there was another.
-  if (s.shading == ShadingModel::kV2) a.emplace_back("ohb:shadingModel", "Principled v2, Blender 4.5");
-  for (const Environment& environment : environments)
-    a.emplace_back("ohb:environment." + environment.name, environment.sha256);
-  for (const PointLight& light : job.points)
-    a.emplace_back("ohb:point." + light.name,
-                   shortest(light.position_cm.x) + "," + shortest(light.position_cm.y) + "," +
-                       shortest(light.position_cm.z) + "," + shortest(light.intensity));
-  return a;
-}
-
-// What rendering found out, which no parameter says beforehand.
-constexpr const char* kReached = "ohb:reached.";
-
-constexpr const char* kNeeds = "ohb:needs.";
-
-/// What was rendered with, where it is less than everything.
-void add_needs(const RenderJob& job, const PreparedScene& prepared, ExrAttributes& attributes) {
-  if (job.quality == Quality::kReference) return;
-  const auto add = [&](const std::string& name, const std::string& value) {
-    attributes.emplace_back(kNeeds + name, value);
-  };
-  const Needs& needs = prepared.needs;
-  const auto limit = [](int value) { return value == Needs().map_px ? "all" : std::to_string(value); };
-  add("subsurface", needs.subsurface ? "all" : "none");
-  add("shadows", needs.shadow_rays ? "rays" : "cache");
-  add("maxBounces", limit(needs.max_bounces));
-  add("environment_px", limit(needs.environment_px));
-  add("map_px", limit(needs.map_px));
-  if (job.quality == Quality::kAuto) add("errorAtMost", fmt::format("{:.4g}", prepared.error_high));
-}
-
-void add_reached(const ErrorReport& error, ExrAttributes& attributes) {
-  attributes.emplace_back(std::string(kReached) + "spp", fmt::format("{:.1f}", error.spp));
-  for (const RegionError& e : error.errors)
-    attributes.emplace_back(kReached + ("error." + e.light) + "." + e.region,
-                            fmt::format("{:.4g}", e.relative_error));
-}
-
-// Written by this version with these parameters? Anything else (another file, a broken one) is rendered anew.
-bool is_done(const fs::path& file, ExrAttributes wanted) {
-  if (!fs::exists(file)) return false;
-  try {
-    ExrAttributes found;
-    for (auto& attribute : read_sample(file).attributes)
-      if (attribute.first.rfind(kReached, 0) != 0 && attribute.first.rfind(kNeeds, 0) != 0)
-        found.push_back(attribute);
-    std::sort(found.begin(), found.end());
-    std::sort(wanted.begin(), wanted.end());
-    return found == wanted;
-  } catch (const InputError&) {
-    return false;
-  }
-}
-
 void check_lights(const RenderJob& job, const std::vector<Environment>& environments) {
   if (environments.empty() && job.points.empty())
     throw InputError("", "render", "there is no light", "give --environment E.exr or --point x,y,z,I");
@@ -156,63 +63,6 @@ bool has_subsurface(const Model& model) {
     for (const float value : set.sss.values)
       if (value > 0) return true;
   return false;
-}
-
-nlohmann::json quality_json(const RenderJob& job, const PreparedScene& prepared) {
-  const Needs& needs = prepared.needs;
-  const auto limit = [](int value) {
-    return value == Needs().map_px ? nlohmann::json() : nlohmann::json(value);
-  };
-  nlohmann::json json = {{"quality", quality_name(job.quality)},
-                         {"subsurface", needs.subsurface},
-                         {"shadow_rays", needs.shadow_rays},
-                         {"max_bounces", limit(needs.max_bounces)},
-                         {"environment_px", limit(needs.environment_px)},
-                         {"map_px", limit(needs.map_px)}};
-  if (job.quality != Quality::kAuto) return json;
-  json["tolerance"] = job.tolerance;
-  json["error_at_most"] = prepared.error_high;
-  json["processor_time_of_pilots_to_reference"] = prepared.cpu_share;
-  for (const Omission& o : prepared.tried)
-    json["tried"].push_back({{"what", o.what},
-                             {"left_out", o.is_left_out},
-                             {"error", o.error},
-                             {"low", o.low},
-                             {"high", o.high}});
-  return json;
-}
-
-nlohmann::json error_json(const ErrorGoal& goal, const ErrorReport& error) {
-  nlohmann::json json = {{"goal", goal.relative_error}, {"met", error.met}, {"spp", error.spp}};
-  for (const RegionError& e : error.errors)
-    json["reached"].push_back({{"light", e.light},
-                               {"region", e.region},
-                               {"pixels", e.pixels},
-                               {"relative_error", e.relative_error}});
-  return json;
-}
-
-void write_render_json(const RenderJob& job, const RenderReport& report) {
-  nlohmann::json json;
-  json["load_s"] = report.load_seconds;
-  json["subsurface_replaced_by_diffuse"] = report.subsurface_replaced;
-  if (report.prepared.scene) json["quality"] = quality_json(job, report.prepared);
-  for (const RenderedView& view : report.views) {
-    json["views"].push_back({{"view", view.view},
-                             {"file", view.file.filename().string()},
-                             {"was_there", view.was_there},
-                             {"maps_s", view.map_seconds},
-                             {"lights_s", view.statistics.seconds},
-                             {"paths", view.statistics.paths},
-                             {"closest_hit_rays", view.statistics.closest_hit_rays},
-                             {"shadow_rays", view.statistics.shadow_rays},
-                             {"walks", view.statistics.walks},
-                             {"walk_segments", view.statistics.walk_segments},
-                             {"walk_leaks", view.statistics.walk_leaks},
-                             {"nonfinite_left_out", view.statistics.nonfinite}});
-    if (job.goal && !view.was_there) json["views"].back()["error"] = error_json(*job.goal, view.error);
-  }
-  write_file_atomically(job.output / "render.json", json.dump(2) + "\n");
 }
 
 /// Builds what the quality asks for and says what it leaves out. Pilots look at three of the job's views.
@@ -267,11 +117,6 @@ std::vector<SampleLight> render_goal(const Scene& scene, const LightSet& lights,
   return images;
 }
 
-std::string view_name(int view) {
-  std::string digits = std::to_string(view);
-  return "view_" + std::string(digits.size() < 3 ? 3 - digits.size() : 0, '0') + digits;
-}
-
 }  // namespace
 
 ViewList parse_views(const std::string& text) {
@@ -322,15 +167,12 @@ RenderReport render_samples(const RenderJob& job) {
   for (const fs::path& file : job.environments) environments.push_back(read_environment(file));
   check_lights(job, environments);
   const Model model = read_model(job.model_folder, ModelParts::kForRendering);
-  const std::string model_sha256 = sha256_of_file(job.model_folder / "model.xml");
-  std::error_code error;
-  fs::create_directories(job.output / "previews", error);
-  if (error)
-    throw InputError(job.output.string(), "", "cannot be created: " + error.message(), "choose another -o");
-
   RenderReport report;
   report.subsurface_replaced = !job.settings.subsurface && has_subsurface(model);
   const Camera camera = fit_camera(model.positions_cm);
+  SampleOutput output(job.output,
+                      settings_of(job, model.name, model_identity(job.model_folder), environments, camera),
+                      job.overwrites);
   report.load_seconds = seconds_since(start);
 
   const size_t pixels = static_cast<size_t>(job.settings.size_px) * job.settings.size_px;
@@ -338,9 +180,8 @@ RenderReport render_samples(const RenderJob& job) {
   for (const int view : job.views.indices) {
     RenderedView rendered;
     rendered.view = view;
-    rendered.file = job.output / (view_name(view) + ".exr");
-    const ExrAttributes attributes = attributes_of(job, model, model_sha256, environments, camera, view);
-    if (is_done(rendered.file, attributes)) {
+    rendered.file = output.file_of(view);
+    if (output.is_done(view)) {
       rendered.was_there = true;
       progress.add(pixels);
     } else {
@@ -363,15 +204,15 @@ RenderReport render_samples(const RenderJob& job) {
       if (rendered.statistics.nonfinite > 0)
         spdlog::warn("view {}: {} contributions were NaN or infinite and left out", view,
                      rendered.statistics.nonfinite);
-      sample.attributes = attributes;
+      sample.attributes = output.attributes_of(view);
       add_needs(job, prepared, sample.attributes);
       if (job.goal) add_reached(rendered.error, sample.attributes);
       write_previews(job.output / "previews", view_name(view), sample);
       write_sample(rendered.file, sample);
     }
     report.views.push_back(rendered);
+    output.add(rendered, job, report);
   }
-  write_render_json(job, report);
   return report;
 }
 

@@ -33,7 +33,8 @@ struct RenderJob {
   Quality quality = Quality::kReference;
   double tolerance = 0.02;  // of Quality::kAuto
   std::filesystem::path output;
-  bool quiet = false;  // no progress bar
+  bool overwrites = false;  // views of other settings are replaced
+  bool quiet = false;       // no progress bar
 };
 
 struct RenderedView {
@@ -52,9 +53,11 @@ struct RenderReport {
   bool subsurface_replaced = false;  // the model has subsurface, which is rendered as diffuse reflection
 };
 
-/// Writes view_<kkk>.exr and previews/ into job.output, and render.json at the end. A view whose file is
-/// there with the same parameters is not rendered again. Throws InputError (model, environments, no light at
-/// all, two lights of one name), TryAgainError (disk full; SIGINT or SIGTERM, finished views are kept).
+/// Writes view_<kkk>.exr and previews/ into job.output, and render.json with the settings that they share and
+/// a line for each. A view whose file is there with the same settings is not rendered again; views of other
+/// settings are refused, or removed with job.overwrites (SampleOutput). Throws InputError (model,
+/// environments, no light at all, two lights of one name, an output of other settings or of another kind),
+/// TryAgainError (disk full; SIGINT or SIGTERM, finished views are kept).
 RenderReport render_samples(const RenderJob& job);
 
 /// Seed of one view's image: a function of the job's seed, the model's name and the view.
