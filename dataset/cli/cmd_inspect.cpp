@@ -15,7 +15,7 @@ struct Options {
 int run_inspect(const Options& options, const CommonOptions& common) {
   std::optional<std::string> unit;
   if (!options.unit.empty()) unit = options.unit;
-  const InspectReport report = inspect_scan(read_scan(options.scan), unit);
+  const InspectReport report = inspect_scan(read_scan(options.scan, MissingFiles::kReported), unit);
   // Names in a scan may be in any encoding; JSON is UTF-8.
   const std::string text =
       common.json ? inspect_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"

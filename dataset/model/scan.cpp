@@ -76,8 +76,13 @@ void check_faces(const Scan& scan) {
   }
 }
 
-bool is_empty_path(const std::string& name) {
-  return name.find_first_not_of(" \t") == std::string::npos;
+void check_missing(const Scan& scan) {
+  if (scan.missing.empty()) return;
+  const size_t others = scan.missing.size() - 1;
+  throw InputError(
+      "", "", scan.missing[0].what,
+      scan.missing[0].mend +
+          (others == 0 ? "" : "; so with " + std::to_string(others) + " more, which inspect lists"));
 }
 
 }  // namespace
@@ -86,7 +91,7 @@ std::string numbered(const char* what, size_t index) {
   return std::string(what) + " " + std::to_string(index + 1);
 }
 
-Scan read_scan(const fs::path& file) {
+Scan read_scan(const fs::path& file, MissingFiles missing) {
   check_file(file);
   const fs::path absolute = fs::absolute(file).lexically_normal();
   const std::string extension = lower_extension(file);
@@ -107,20 +112,8 @@ Scan read_scan(const fs::path& file) {
   split_udim_tiles(scan);
   settle_pictures(scan);
   settle_opacity(scan);
+  if (missing == MissingFiles::kRefused) check_missing(scan);
   return scan;
-}
-
-ScanPicture find_picture(const fs::path& referrer, const std::string& place, const std::string& name) {
-  std::string portable = name;
-  std::replace(portable.begin(), portable.end(), '\\', '/');
-  portable = first_udim_tile(referrer.parent_path(), portable);
-  const fs::path file = (referrer.parent_path() / portable).lexically_normal();
-  std::error_code error;
-  if (is_empty_path(name) || !fs::is_regular_file(file, error))
-    throw InputError(referrer.string(), place, "picture '" + name + "' is not there",
-                     "put it at " + file.string() + " or correct the name");
-  probe_image(file);
-  return {file, nullptr};
 }
 
 ScanPicture embed_picture(const fs::path& scan_file, const std::string& name, std::string bytes) {

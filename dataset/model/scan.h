@@ -82,6 +82,12 @@ struct Corner {
   uint32_t uv = kNoUv;
 };
 
+/// A file that the scan names and that is not there or cannot be used.
+struct MissingFile {
+  std::string what;  // "<file>: <place>: <cause>"
+  std::string mend;  // may be empty
+};
+
 /// Positions are in the file's own unit and axes until `to_canonical`. Faces keep the order of the file
 /// and corners their order in the face: labels index them.
 struct Scan {
@@ -99,18 +105,23 @@ struct Scan {
   /// Taken off all positions where they lay so far away that single precision lost their detail (maps'
   /// coordinates): position in the file = position + removed_offset.
   std::optional<Vec3d> removed_offset;
-  std::vector<std::string> notes;  // what the file holds and is not used or was changed, one line each
-  bool has_file_normals = false;   // read and not used: normals are smooth over shared positions
+  std::vector<std::string> notes;    // what the file holds and is not used or was changed, one line each
+  std::vector<MissingFile> missing;  // what the file names; the materials lack these pictures
+  bool has_file_normals = false;     // read and not used: normals are smooth over shared positions
 
   size_t face_count() const { return face_begin.empty() ? 0 : face_begin.size() - 1; }
 };
+
+/// What becomes of pictures and .mtl files that are not there: an InputError, or lines in Scan::missing.
+enum class MissingFiles { kRefused, kReported };
 
 /// Reads .obj (with its .mtl), .glb/.gltf or .fbx (7, binary or ASCII). glTF vertices that were split at UV
 /// seams are welded within their object where positions are bitwise equal, so that smooth normals do not
 /// crack. Node transforms are applied, rigged meshes stay at rest; FBX is turned to its stated up axis = +Y.
 /// Throws InputError: no such file, unknown format, truncated or malformed, no faces, index out of range,
-/// NaN or infinite position or UV (naming the vertex), missing or unreadable picture.
-Scan read_scan(const std::filesystem::path& file);
+/// NaN or infinite position or UV (naming the vertex), missing or unreadable picture or .mtl if `missing`
+/// says so.
+Scan read_scan(const std::filesystem::path& file, MissingFiles missing = MissingFiles::kRefused);
 
 /// One triangle of a scan: corner indices into Scan::corners, and the face that it comes from.
 struct ScanTriangle {

@@ -23,7 +23,7 @@ struct Link {
 
 class FbxReader {
  public:
-  explicit FbxReader(const std::filesystem::path& file) : fbx_(file) { scan_.file = file; }
+  explicit FbxReader(const std::filesystem::path& file) : fbx_(file), files_(scan_) { scan_.file = file; }
 
   Scan read() {
     index_objects();
@@ -299,6 +299,7 @@ class FbxReader {
       material.alpha = picture_of(texture);
     } else if (slot == "Bump") {
       const ScanPicture picture = picture_of(texture);
+      if (picture.empty()) return;
       if (!is_normal_map(picture)) {
         scan_.notes.push_back(picture.file.filename().string() + " is a grey height map, which is not used");
       } else if (material.normal.empty()) {
@@ -325,27 +326,28 @@ class FbxReader {
     return pictures_[id] = find_beside(texture, place);
   }
 
-  /// FBX keeps the path of the machine that wrote it: the relative path, then the bare name beside the scan
-  /// or in its <name>.fbm folder.
-  ScanPicture find_beside(const FbxNode& texture, const std::string& place) const {
-    const FbxNode* relative = texture.child("RelativeFilename");
-    const FbxNode* absolute = texture.child("FileName");
-    std::string name = relative && !relative->values.empty()   ? fbx_.text(*relative, 0)
-                       : absolute && !absolute->values.empty() ? fbx_.text(*absolute, 0)
-                                                               : "";
-    std::replace(name.begin(), name.end(), '\\', '/');
-    const std::string bare = std::filesystem::path(name).filename().string();
-    const std::string media = fbx_.path().stem().string() + ".fbm/" + bare;
-    std::error_code ignored;
-    for (const std::string& candidate : {name, bare, media})
-      if (!candidate.empty() &&
-          std::filesystem::is_regular_file(fbx_.path().parent_path() / candidate, ignored))
-        return find_picture(fbx_.path(), place, candidate);
-    return find_picture(fbx_.path(), place, bare);  // throws
+  /// FBX keeps the paths of the machine that wrote it, in the texture and in its video.
+  ScanPicture find_beside(const FbxNode& texture, const std::string& place) {
+    std::vector<std::string> names;
+    const auto add_names = [&](const FbxNode& node) {
+      for (const char* key : {"RelativeFilename", "FileName", "Filename"}) {
+        const FbxNode* name = node.child(key);
+        if (!name || name->values.empty()) continue;
+        names.push_back(fbx_.text(*name, 0));
+        if (names.back().empty()) names.pop_back();
+      }
+    };
+    add_names(texture);
+    for (const Link& link : parts_of(fbx_.integer(texture, 0)))
+      if (const FbxNode* video = object_of(link.other, "Video")) add_names(*video);
+    if (!names.empty()) return files_.picture(fbx_.path(), place, names);
+    scan_.notes.push_back(place + " names no picture");
+    return {};
   }
 
   FbxFile fbx_;
   Scan scan_;
+  ScanFiles files_;
   Affine to_y_up_;
   std::unordered_map<int64_t, const FbxNode*> objects_;
   std::unordered_map<int64_t, std::vector<Link>> parts_, wholes_;  // children, parents

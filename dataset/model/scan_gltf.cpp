@@ -43,7 +43,7 @@ Affine local_transform(const json& node) {
 
 class GltfReader {
  public:
-  explicit GltfReader(const std::filesystem::path& file) : gltf_(file) {
+  explicit GltfReader(const std::filesystem::path& file) : gltf_(file), files_(scan_) {
     scan_.file = file;
     scan_.stated_unit_cm = 100;
   }
@@ -100,7 +100,7 @@ class GltfReader {
       std::string bytes;
       picture = gltf_.decode_data_uri(uri, place, bytes)
                     ? embed_picture(gltf_.path(), label, std::move(bytes))
-                    : find_picture(gltf_.path(), place, decode_percent(uri));
+                    : files_.picture(gltf_.path(), place, {decode_percent(uri)});
     } else {
       picture =
           embed_picture(gltf_.path(), label, std::string(gltf_.buffer_view(index_or(image, "bufferView"))));
@@ -302,6 +302,7 @@ class GltfReader {
 
   GltfFile gltf_;
   Scan scan_;
+  ScanFiles files_;
   std::map<size_t, ScanPicture> pictures_;
   std::map<std::string, size_t> groups_;
   std::vector<size_t> uv_sets_;  // of each material

@@ -21,8 +21,9 @@ struct MapStatement {
 
 class MtlReader {
  public:
-  MtlReader(const std::filesystem::path& file, std::string_view text, std::vector<std::string>& notes)
-      : file_(file), lines_(file, text), notes_(notes) {}
+  MtlReader(const std::filesystem::path& file, std::string_view text, ScanFiles& files,
+            std::vector<std::string>& notes)
+      : file_(file), lines_(file, text), files_(files), notes_(notes) {}
 
   std::map<std::string, ScanMaterial> read() {
     while (lines_.next()) read_line(lines_.line());
@@ -39,19 +40,21 @@ class MtlReader {
   void read_line(std::string_view line) {
     const std::string keyword(next_word(line));
     if (keyword == "newmtl") {
-      start_material(line);
+      start_material(lines_.name());
     } else if (keyword == "Kd") {
       current(keyword).diffuse_factor = read_colour(line);
     } else if (keyword == "map_Kd") {
-      current(keyword).diffuse = find_picture(file_, lines_.place(), read_map(keyword, line).picture);
+      current(keyword).diffuse = find_picture(read_map(keyword, lines_.name()).picture);
     } else if (keyword == "map_d") {
-      read_alpha(line);
+      read_alpha(lines_.name());
     } else if (keyword == "norm") {
-      current(keyword).normal = find_picture(file_, lines_.place(), read_map(keyword, line).picture);
+      current(keyword).normal = find_picture(read_map(keyword, lines_.name()).picture);
     } else if (keyword == "map_Bump" || keyword == "map_bump" || keyword == "bump") {
-      read_bump(keyword, line);
+      read_bump(keyword, lines_.name());
     }
   }
+
+  ScanPicture find_picture(const std::string& name) { return files_.picture(file_, lines_.place(), {name}); }
 
   void start_material(std::string_view line) {
     name_ = std::string(trimmed(line));
@@ -84,12 +87,13 @@ class MtlReader {
     if (!map.channel.empty() && map.channel != "m" && map.channel != "l")
       fail("map_d takes the channel '" + map.channel + "'",
            "put the cut-out into the alpha channel and write -imfchan m");
-    current("map_d").alpha = find_picture(file_, lines_.place(), map.picture);
+    current("map_d").alpha = find_picture(map.picture);
   }
 
   void read_bump(const std::string& keyword, std::string_view line) {
     ScanMaterial& material = current(keyword);
-    const ScanPicture picture = find_picture(file_, lines_.place(), read_map(keyword, line).picture);
+    const ScanPicture picture = find_picture(read_map(keyword, line).picture);
+    if (picture.empty()) return;
     if (!is_normal_map(picture)) {
       notes_.push_back(file_.filename().string() + ": " + lines_.place() + ": " +
                        picture.file.filename().string() + " is a grey height map, which is not used");
@@ -144,6 +148,7 @@ class MtlReader {
 
   std::filesystem::path file_;
   TextLines lines_;
+  ScanFiles& files_;
   std::vector<std::string>& notes_;
   std::map<std::string, ScanMaterial> materials_;
   std::string name_;
@@ -151,10 +156,10 @@ class MtlReader {
 
 }  // namespace
 
-std::map<std::string, ScanMaterial> read_mtl(const std::filesystem::path& file,
+std::map<std::string, ScanMaterial> read_mtl(const std::filesystem::path& file, ScanFiles& files,
                                              std::vector<std::string>& notes) {
   const std::string text = read_file(file);
-  return MtlReader(file, text, notes).read();
+  return MtlReader(file, text, files, notes).read();
 }
 
 }  // namespace ohb

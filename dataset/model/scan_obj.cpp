@@ -12,7 +12,8 @@ namespace {
 
 class ObjReader {
  public:
-  ObjReader(const std::filesystem::path& file, std::string_view text) : file_(file), lines_(file, text) {
+  ObjReader(const std::filesystem::path& file, std::string_view text)
+      : file_(file), lines_(file, text), files_(scan_) {
     scan_.file = file;
   }
 
@@ -41,12 +42,12 @@ class ObjReader {
     } else if (keyword == "f") {
       read_face(line);
     } else if (keyword == "usemtl") {
-      material_ = index_of(std::string(trimmed(line)), material_names_, material_indices_, "materials");
+      material_ = index_of(std::string(lines_.name()), material_names_, material_indices_, "materials");
     } else if (keyword == "g" || keyword == "o") {
-      group_name_ = std::string(trimmed(line));
+      group_name_ = std::string(lines_.name());
       group_known_ = false;
     } else if (keyword == "mtllib") {
-      read_materials(std::string(trimmed(line)));
+      read_materials(std::string(lines_.name()));
     }
   }
 
@@ -168,36 +169,39 @@ class ObjReader {
     has_library_ = true;
     if (names.empty()) fail("mtllib without a file name", "name the .mtl file or remove the line");
     if (read_library(names)) return;
+    std::vector<std::string> missing;
+    size_t count = 0;
     std::string_view rest = names;
-    for (std::string_view name = next_word(rest); !name.empty(); name = next_word(rest))
-      if (!read_library(std::string(name)))
-        fail("material library '" + names + "' is not there",
-             "put it into " + file_.parent_path().string() + " or remove the line");
+    for (std::string_view name = next_word(rest); !name.empty(); name = next_word(rest), ++count)
+      if (!read_library(std::string(name))) missing.emplace_back(name);
+    if (missing.size() == count) missing = {names};
+    for (const std::string& name : missing) {
+      lacks_library_ = true;
+      const std::string nearest = files_.nearest_name(file_, name, {".mtl"});
+      files_.add_missing(file_, lines_.place(), "material library '" + name + "' is not there",
+                         "put it into " + file_.parent_path().string() + " or remove the line" +
+                             (nearest.empty() ? "" : "; '" + nearest + "' is there: name it if it is meant"));
+    }
   }
 
-  bool read_library(std::string name) {
-    for (char& c : name)
-      if (c == '\\') c = '/';
-    const std::filesystem::path library = file_.parent_path() / name;
-    std::error_code ignored;
-    if (!std::filesystem::is_regular_file(library, ignored)) return false;
-    for (auto& [key, material] : read_mtl(library, scan_.notes)) library_.emplace(key, material);
+  bool read_library(const std::string& name) {
+    const std::optional<std::filesystem::path> library = files_.file(file_, lines_.place(), name);
+    if (!library) return false;
+    for (auto& [key, material] : read_mtl(*library, files_, scan_.notes)) library_.emplace(key, material);
     return true;
   }
 
   void resolve_materials() {
     for (const std::string& name : material_names_) {
       const auto found = library_.find(name);
-      const bool is_default = name == "default";
-      if (found == library_.end() && has_library_ && !is_default)
-        throw InputError(file_.string(), "usemtl " + name, "no .mtl file of the scan has this material",
-                         "correct the name or the mtllib line");
       if (found != library_.end()) {
         scan_.materials.push_back(found->second);
-      } else {
-        scan_.materials.emplace_back();
-        scan_.materials.back().name = name;
+        continue;
       }
+      scan_.materials.emplace_back().name = name;
+      if (has_library_ && !lacks_library_ && name != "default")
+        files_.add_missing(file_, "usemtl " + name, "no .mtl file of the scan has this material",
+                           "correct the name or the mtllib line");
     }
   }
 
@@ -206,11 +210,12 @@ class ObjReader {
   std::filesystem::path file_;
   TextLines lines_;
   Scan scan_;
+  ScanFiles files_;
   std::vector<uint32_t> face_lines_;
   std::vector<std::string> material_names_;
   std::unordered_map<std::string, size_t> material_indices_, group_indices_;
   std::map<std::string, ScanMaterial> library_;
-  bool has_library_ = false;
+  bool has_library_ = false, lacks_library_ = false;
   size_t material_ = kNoMaterial, group_ = 0;
   std::string group_name_;
   bool group_known_ = false;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "dataset/model/scan.h"
+#include "dataset/model/scan_files.h"
 
 namespace ohb {
 
@@ -23,21 +24,18 @@ Scan read_fbx(const std::filesystem::path& file);
 
 /// Materials of an .mtl file by name. `notes` gets what was seen and not used. Throws InputError with the
 /// line.
-std::map<std::string, ScanMaterial> read_mtl(const std::filesystem::path& file,
+std::map<std::string, ScanMaterial> read_mtl(const std::filesystem::path& file, ScanFiles& files,
                                              std::vector<std::string>& notes);
-
-/// The picture that `name` (as a scan file writes it, slashes either way) stands for, relative to the folder
-/// of `referrer`. Throws InputError naming `referrer` and `place` if there is no such image.
-ScanPicture find_picture(const std::filesystem::path& referrer, const std::string& place,
-                         const std::string& name);
 
 /// `name` with "<UDIM>" replaced by the number of the first tile that is in the folder (1001 if none is).
 std::string first_udim_tile(const std::filesystem::path& folder, const std::string& name);
+/// `name` with "<UDIM>" replaced by the number of the tile that `of` holds; `name` itself if either has none.
+std::string with_udim_tile_of(const std::string& name, const std::string& of);
 
 /// Makes each tile a material of its own, "<material>.<tile>", with its UVs in [0,1]: for materials with a
 /// picture whose name holds a tile's number (1001 to 1999) and beside which there is one of another tile.
-/// Faces belong to the tile of their middle. Pictures without a number repeat on every tile. Throws
-/// InputError for a tile whose picture is missing, and for faces outside the tiles.
+/// Faces belong to the tile of their middle. Pictures without a number repeat on every tile. A tile whose
+/// picture is not there goes into Scan::missing. Throws InputError for faces outside the tiles.
 void split_udim_tiles(Scan& scan);
 
 /// Makes the views of pictures plain where UVs can be moved for it: UVs of a material are moved as its first

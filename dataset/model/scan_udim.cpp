@@ -75,19 +75,22 @@ bool has_tiles(const ScanMaterial& material, const std::set<int>& tiles) {
   return false;
 }
 
-ScanMaterial material_of_tile(const Scan& scan, const ScanMaterial& from, int tile, size_t face) {
+ScanMaterial material_of_tile(Scan& scan, const ScanMaterial& from, int tile, size_t face) {
   ScanMaterial material = from;
   material.name += "." + std::to_string(tile);
   std::error_code error;
   for (ScanPicture* picture : {&material.diffuse, &material.alpha, &material.normal}) {
     const fs::path file = file_of_tile(*picture, tile);
     if (file.empty()) continue;
-    if (!fs::is_regular_file(file, error))
-      throw InputError(scan.file.string(), numbered("face", face),
-                       "is of UDIM tile " + std::to_string(tile) + ", whose picture is not there",
-                       "put it at " + file.string() + " or move the face's UVs");
-    probe_image(file);
-    *picture = {file, nullptr};
+    *picture = {};
+    if (fs::is_regular_file(file, error)) {
+      probe_image(file);
+      *picture = {file, nullptr};
+    } else {
+      scan.missing.push_back({scan.file.string() + ": " + numbered("face", face) + ": is of UDIM tile " +
+                                  std::to_string(tile) + ", whose picture is not there",
+                              "put it at " + file.string() + " or move the face's UVs"});
+    }
   }
   return material;
 }
@@ -127,6 +130,13 @@ std::string first_udim_tile(const fs::path& folder, const std::string& name) {
   for (int tile = kFirstTile; tile <= kLastTile; ++tile)
     if (fs::is_regular_file(folder / with(tile), error)) return with(tile);
   return with(kFirstTile);
+}
+
+std::string with_udim_tile_of(const std::string& name, const std::string& of) {
+  const size_t place = name.find(kPlaceholder);
+  const std::optional<size_t> tile = place == std::string::npos ? std::nullopt : tile_place(of);
+  if (!tile) return name;
+  return std::string(name).replace(place, std::string(kPlaceholder).size(), of.substr(*tile, kTileDigits));
 }
 
 void split_udim_tiles(Scan& scan) {

@@ -46,7 +46,8 @@ std::string_view TextLines::take_physical_line() {
 
 bool TextLines::next() {
   if (rest_.empty()) return false;
-  line_ = trimmed(without_comment(take_physical_line()));
+  whole_line_ = trimmed(take_physical_line());
+  line_ = trimmed(without_comment(whole_line_));
   number_ = physical_lines_;
   if (line_.empty() || line_.back() != '\\') return true;
   joined_.assign(line_.substr(0, line_.size() - 1));
@@ -57,8 +58,17 @@ bool TextLines::next() {
     joined_ += goes_on ? more.substr(0, more.size() - 1) : more;
     if (!goes_on) break;
   }
-  line_ = trimmed(joined_);
+  line_ = whole_line_ = trimmed(joined_);
   return true;
+}
+
+std::string_view TextLines::name() const {
+  std::string_view rest = whole_line_;
+  next_word(rest);
+  for (size_t i = 0; i < rest.size(); ++i)
+    if (rest[i] == '#' && i > 0 && is_blank(rest[i - 1]) && (i + 1 == rest.size() || is_blank(rest[i + 1])))
+      return trimmed(rest.substr(0, i));
+  return trimmed(rest);
 }
 
 std::string_view trimmed(std::string_view text) {

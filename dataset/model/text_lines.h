@@ -18,6 +18,9 @@ class TextLines {
   bool next();
   /// The line without its comment (#...), blanks trimmed at both ends.
   std::string_view line() const { return line_; }
+  /// What follows the line's first word, for statements of names, which may hold a '#' ("Material #25"): a
+  /// comment begins at a '#' between blanks only.
+  std::string_view name() const;
   /// "line 12", of the first of joined lines.
   std::string place() const { return "line " + std::to_string(number_); }
   size_t number() const { return number_; }
@@ -25,7 +28,7 @@ class TextLines {
  private:
   std::string_view take_physical_line();
 
-  std::string_view rest_, line_;
+  std::string_view rest_, line_, whole_line_;
   std::string joined_;
   size_t number_ = 0, physical_lines_ = 0;
 };

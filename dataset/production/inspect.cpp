@@ -168,6 +168,7 @@ InspectReport inspect_scan(const Scan& scan, const std::optional<std::string>& u
   MaterialInspector inspector(scan, triangles, topology);
   for (size_t m = 0; m < scan.materials.size(); ++m)
     report.materials.push_back(inspector.inspect(static_cast<uint16_t>(m)));
+  for (const MissingFile& missing : scan.missing) report.missing.push_back({missing.what, missing.mend});
   report.warnings = inspect_warnings(report, unit_option.has_value());
   return report;
 }

@@ -121,7 +121,8 @@ std::string inspect_text(const InspectReport& r) {
     for (const PictureReport& p : m.pictures) text += picture_line(p);
   }
   for (const std::string& note : r.notes) text += "note: " + note + "\n";
-  for (const Warning& w : r.warnings) text += "warning: " + w.what + "; " + w.mend + "\n";
+  for (const Warning& w : r.warnings)
+    text += "warning: " + w.what + (w.mend.empty() ? "" : "; ") + w.mend + "\n";
   if (r.warnings.empty()) text += "no warnings\n";
   return text;
 }

@@ -81,14 +81,14 @@ void warn_about_uv(const MaterialReport& m, Warnings& warnings) {
                "they get a single texel; unwrap them if they are seen");
 }
 
-void warn_about_pictures(const MaterialReport& m, Warnings& warnings) {
+void warn_about_pictures(const MaterialReport& m, bool are_some_missing, Warnings& warnings) {
   const std::string who = "material '" + m.name + "': ";
   bool has_diffuse = false, has_alpha = false;
   for (const PictureReport& p : m.pictures) {
     has_diffuse |= p.use == "diffuse";
     has_alpha |= p.use == "alpha";
   }
-  warnings.add(!has_diffuse && m.uv.face_count > 0, who + "no diffuse picture",
+  warnings.add(!has_diffuse && m.uv.face_count > 0 && !are_some_missing, who + "no diffuse picture",
                "add map_Kd to the .mtl (or a base colour texture), or its albedo is one colour");
   warnings.add(m.uv.face_count == 0, who + "no face uses it", "remove it from the file");
   for (const PictureReport& p : m.pictures) {
@@ -113,6 +113,7 @@ void warn_about_pictures(const MaterialReport& m, Warnings& warnings) {
 
 std::vector<Warning> inspect_warnings(const InspectReport& report, bool unit_given) {
   Warnings warnings;
+  warnings.list_ = report.missing;
   warnings.add(!report.unit.unit_cm, report.unit.reason, report.unit.mend);
   const double height = static_cast<double>(report.bounds.high.y) - report.bounds.low.y;
   const double height_cm = height * report.unit.unit_cm.value_or(0);
@@ -121,7 +122,7 @@ std::vector<Warning> inspect_warnings(const InspectReport& report, bool unit_giv
       "in that unit the scan is " + std::to_string(static_cast<long long>(height_cm + 0.5)) + " cm high",
       "check --unit");
   for (const MaterialReport& material : report.materials) {
-    warn_about_pictures(material, warnings);
+    warn_about_pictures(material, !report.missing.empty(), warnings);
     if (material.uv.face_count > 0) warn_about_uv(material, warnings);
   }
   warn_about_mesh(report, warnings);
