@@ -12,13 +12,16 @@ usage: make_open_dataset.sh HUMANS DATASET ENVIRONMENT.exr... [-- RENDER_OPTIONS
   ENVIRONMENT  latitude-longitude maps: one relit image each
   options      of openhumanbrdf render; default: --views 24 --size 128 --spp 64
 
-OPENHUMANBRDF names the program (default: build/release/bin/openhumanbrdf beside this script's folder).
+OPENHUMANBRDF names the program (default: build/release/bin/openhumanbrdf beside this script's folder,
+otherwise the installed one).
 HELP
   exit 2
 fi
 
 here=$(cd "$(dirname "$0")" && pwd)
-program=${OPENHUMANBRDF:-$here/../build/release/bin/openhumanbrdf}
+program=$here/../build/release/bin/openhumanbrdf
+[ -x "$program" ] || program=openhumanbrdf
+program=${OPENHUMANBRDF:-$program}
 humans=$1 dataset=$2
 shift 2
 environments=()

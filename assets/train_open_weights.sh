@@ -19,7 +19,9 @@ HELP
 fi
 
 here=$(cd "$(dirname "$0")" && pwd)
-learner=${HUMANMATERIAL:-$here/../build/release/bin/humanmaterial}
+learner=$here/../build/release/bin/humanmaterial
+[ -x "$learner" ] || learner=humanmaterial
+learner=${HUMANMATERIAL:-$learner}
 humans=$1 out=$2
 shift 2
 "$here/make_open_dataset.sh" "$humans" "$out/open" "$@" -- --views 24 --size 128 --spp 64 --subsurface diffuse

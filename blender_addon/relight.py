@@ -39,6 +39,7 @@ import traceback
 
 import bpy
 
+sys.dont_write_bytecode = True  # the folder may be an installed one
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from human_material import compat  # noqa: E402
 from human_material.services import (  # noqa: E402

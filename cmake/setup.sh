@@ -17,6 +17,10 @@ install_packages() {
     [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
   done
   [ ${#missing[@]} -eq 0 ] && return 0
+  if ! command -v apt-get >/dev/null; then
+    echo "This is no Debian: install what packages.txt lists in your own way, then build by hand (README.md)." >&2
+    exit 2
+  fi
   say "installing ${#missing[@]} Debian packages: ${missing[*]}"
   local as_root=()
   if [ "$(id -u)" -ne 0 ]; then

@@ -13,6 +13,7 @@ import os
 import re
 import sys
 
+sys.dont_write_bytecode = True  # the folder may be an installed one
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
 from human_material.services import image_header, maps_json  # noqa: E402
 from human_material.services.errors import InputError  # noqa: E402

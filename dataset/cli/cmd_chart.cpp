@@ -94,7 +94,7 @@ int run_stress_chart(const StressOptions& options, const CommonOptions& common) 
   settings.with_cycles = !options.without_cycles;
   settings.with_heavy = !options.without_heavy;
   const fs::path file =
-      options.catalogue.empty() ? program_file("tests/stress/catalogue.json") : fs::path(options.catalogue);
+      options.catalogue.empty() ? program_file("assets/stress/catalogue.json") : fs::path(options.catalogue);
   const std::vector<StressCase> catalogue = read_stress_catalogue(file);
   AtomicFolder folder(options.output, "chart of hard cases", {file});
   const fs::path scratch = folder.path() / "scenes";
@@ -119,7 +119,7 @@ void add_stress_chart(CLI::App& chart, Commands& commands) {
   auto options = std::make_shared<StressOptions>();
   StressSettings& settings = options->settings;
   command->add_option("--catalogue", options->catalogue,
-                      "cases and their limits (default: tests/stress/catalogue.json)");
+                      "cases and their limits (default: assets/stress/catalogue.json)");
   command->add_option("--case", settings.only, "this case alone, by its name");
   command->add_flag("--no-cycles", options->without_cycles, "ours alone; needs no Blender");
   command->add_flag("--no-heavy", options->without_heavy, "leaves out what takes gigabytes");

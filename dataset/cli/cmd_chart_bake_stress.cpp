@@ -29,7 +29,7 @@ void print_stress(const std::vector<BakeStressCaseResult>& results, const fs::pa
 }
 
 int run_stress_bake(const Options& options, const CommonOptions& common) {
-  const fs::path file = options.catalogue.empty() ? program_file("tests/stress/bake_catalogue.json")
+  const fs::path file = options.catalogue.empty() ? program_file("assets/stress/bake_catalogue.json")
                                                   : fs::path(options.catalogue);
   const std::vector<BakeStressCase> catalogue = read_bake_stress_catalogue(file);
   AtomicFolder folder(options.output, "chart of hard bakes", {file});
@@ -56,7 +56,7 @@ void add_bake_stress_chart(CLI::App& chart, Commands& commands) {
   CLI::App* command = chart.add_subcommand("bake-stress", "Bad unwraps, meshes and sources for bake");
   auto options = std::make_shared<Options>();
   command->add_option("--catalogue", options->catalogue,
-                      "cases and their limits (default: tests/stress/bake_catalogue.json)");
+                      "cases and their limits (default: assets/stress/bake_catalogue.json)");
   command->add_option("--case", options->only, "this case alone, by its name");
   command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
       ->required();

@@ -1,5 +1,5 @@
 // Bad unwraps, meshes and sources: named cases with a parameter that goes from harmless to impossible, what a
-// lookup on the baked surface then finds, and what is acceptable (tests/stress/bake_catalogue.json).
+// lookup on the baked surface then finds, and what is acceptable (assets/stress/bake_catalogue.json).
 #pragma once
 
 #include <filesystem>

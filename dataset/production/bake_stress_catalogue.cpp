@@ -60,7 +60,7 @@ BakeStressCase case_of(const json& from) {
 }  // namespace
 
 std::vector<BakeStressCase> read_bake_stress_catalogue(const std::filesystem::path& file) {
-  return read_json_catalogue<BakeStressCase>(file, "tests/stress/bake_catalogue.json", case_of);
+  return read_json_catalogue<BakeStressCase>(file, "assets/stress/bake_catalogue.json", case_of);
 }
 
 }  // namespace ohb

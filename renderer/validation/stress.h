@@ -33,7 +33,7 @@ struct StressCase {
   std::vector<StressPoint> points;
 };
 
-/// tests/stress/catalogue.json. Throws InputError with the case that is wrong.
+/// assets/stress/catalogue.json. Throws InputError with the case that is wrong.
 std::vector<StressCase> read_stress_catalogue(const std::filesystem::path& file);
 
 struct StressSettings {

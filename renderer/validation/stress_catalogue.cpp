@@ -57,7 +57,7 @@ StressCase case_of(const json& from) {
 }  // namespace
 
 std::vector<StressCase> read_stress_catalogue(const fs::path& file) {
-  return read_json_catalogue<StressCase>(file, "tests/stress/catalogue.json", case_of);
+  return read_json_catalogue<StressCase>(file, "assets/stress/catalogue.json", case_of);
 }
 
 }  // namespace ohb

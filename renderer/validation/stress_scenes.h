@@ -19,7 +19,7 @@ struct StressScene {
   bool subsurface = false;
 };
 
-/// The scene of that name (tests/stress/catalogue.json says what each is) at a parameter's value. Throws
+/// The scene of that name (assets/stress/catalogue.json says what each is) at a parameter's value. Throws
 /// InputError for a name that there is not.
 StressScene stress_scene(const std::string& name, double at);
 

@@ -40,7 +40,7 @@ void compare_methods(const std::vector<RobotHuman>& humans, bool is_ours_alone, 
 
 int run_stress(const std::vector<RobotHuman>& humans, int strokes, AtomicFolder& folder) {
   const std::vector<RobotStressCase> cases =
-      read_robot_stress(program_file("tests/stress/label_catalogue.json"));
+      read_robot_stress(program_file("assets/stress/label_catalogue.json"));
   const std::vector<RobotStressResult> results = run_robot_stress(cases, humans, strokes);
   write_file_atomically(folder.path() / "chart.csv", robot_stress_csv(results));
   std::printf("%s", robot_stress_text(results).c_str());
@@ -79,7 +79,7 @@ int main(int argc, char** argv) {
   app.add_option("--strokes", strokes, "strokes a scan")->check(CLI::Range(1, 200));
   app.add_flag(
       "--stress", is_stress,
-      "ours alone, in the cases of tests/stress/label_catalogue.json; exit code 1 beyond its limits");
+      "ours alone, in the cases of assets/stress/label_catalogue.json; exit code 1 beyond its limits");
   app.add_flag("--ours", is_ours_alone, "without the simpler ways");
   app.add_option("-o,--output", output, "folder for chart.csv, .svg and .png")->required();
   CLI11_PARSE(app, argc, argv);

@@ -83,7 +83,7 @@ std::vector<RobotStressCase> read_robot_stress(const std::filesystem::path& file
     }
   } catch (const json::exception& error) {
     throw InputError(file.string(), place, error.what(),
-                     "write it as tests/stress/label_catalogue.json is written");
+                     "write it as assets/stress/label_catalogue.json is written");
   } catch (const InputError& error) {
     throw InputError(file.string(), place, error.what(), "");
   }

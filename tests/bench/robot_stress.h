@@ -1,5 +1,5 @@
 // Wrong strokes and damaged pictures, from harmless to impossible, with what is acceptable
-// (tests/stress/label_catalogue.json).
+// (assets/stress/label_catalogue.json).
 #pragma once
 
 #include <filesystem>

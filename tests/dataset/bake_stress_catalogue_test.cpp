@@ -11,7 +11,7 @@ namespace {
 
 std::vector<BakeStressCase> catalogue() {
   return read_bake_stress_catalogue(std::filesystem::path(OHB_SOURCE_DIR) /
-                                    "tests/stress/bake_catalogue.json");
+                                    "assets/stress/bake_catalogue.json");
 }
 
 TEST(BakeStressCatalogue, EveryCaseIsWithinItsLimits) {

@@ -17,7 +17,7 @@ TEST(LabelStress, CasesAreWithinTheirLimitsAndTheLimitsBite) {
   }
   const RobotHuman human{"tube", person.scan, person.truth, face_areas(person.scan)};
   std::vector<RobotStressCase> cases =
-      read_robot_stress(std::filesystem::path(OHB_SOURCE_DIR) / "tests/stress/label_catalogue.json");
+      read_robot_stress(std::filesystem::path(OHB_SOURCE_DIR) / "assets/stress/label_catalogue.json");
   ASSERT_EQ(cases.size(), 3u);
   cases[2].points.resize(2);  // the tube's picture is 256 px wide
   for (const RobotStressResult& r : run_robot_stress(cases, {human}, 8))

@@ -14,7 +14,7 @@ namespace ohb {
 namespace {
 
 std::vector<StressCase> catalogue() {
-  return read_stress_catalogue(std::filesystem::path(OHB_SOURCE_DIR) / "tests/stress/catalogue.json");
+  return read_stress_catalogue(std::filesystem::path(OHB_SOURCE_DIR) / "assets/stress/catalogue.json");
 }
 
 TEST(Stress, EveryCaseIsWithinItsLimits) {
