@@ -23,6 +23,41 @@ T load(std::string_view bytes, size_t index) {
   return value;
 }
 
+/// Bytes of one value in a list ('#'); 0 for texts and arrays, which lists of numbers do not hold.
+size_t value_bytes(char type) {
+  switch (type) {
+    case 'C':
+      return 1;
+    case 'Y':
+      return 2;
+    case 'I':
+    case 'F':
+      return 4;
+    case 'L':
+    case 'D':
+      return 8;
+    default:
+      return 0;
+  }
+}
+
+double load_value(char type, std::string_view bytes) {
+  switch (type) {
+    case 'C':
+      return load<uint8_t>(bytes, 0);
+    case 'Y':
+      return load<int16_t>(bytes, 0);
+    case 'I':
+      return load<int32_t>(bytes, 0);
+    case 'L':
+      return static_cast<double>(load<int64_t>(bytes, 0));
+    case 'F':
+      return load<float>(bytes, 0);
+    default:
+      return load<double>(bytes, 0);
+  }
+}
+
 size_t element_bytes(char type) {
   switch (type) {
     case 'b':
@@ -86,7 +121,7 @@ const FbxNode* FbxNode::child(std::string_view child_name) const {
 
 FbxFile::FbxFile(const std::filesystem::path& file) : file_(file), content_(read_file(file)) {
   const bool binary = std::string_view(content_).substr(0, kBinaryMagic.size()) == kBinaryMagic;
-  root_ = binary ? parse_binary_fbx(file_, content_) : parse_ascii_fbx(file_, content_);
+  tree_ = binary ? parse_binary_fbx(file_, content_) : parse_ascii_fbx(file_, content_);
 }
 
 void FbxFile::fail(const std::string& place, const std::string& cause, const std::string& mend) const {
@@ -102,28 +137,11 @@ std::string FbxFile::text(const FbxNode& node, size_t index) const {
 }
 
 double FbxFile::number(const FbxNode& node, size_t index) const {
-  const FbxValue none;
-  const FbxValue& value = index < node.values.size() ? node.values[index] : none;
-  switch (value.type) {
-    case 'C':
-      return load<uint8_t>(value.bytes, 0);
-    case 'Y':
-      return load<int16_t>(value.bytes, 0);
-    case 'I':
-      return load<int32_t>(value.bytes, 0);
-    case 'L':
-      return static_cast<double>(load<int64_t>(value.bytes, 0));
-    case 'F':
-      return load<float>(value.bytes, 0);
-    case 'D':
-      return load<double>(value.bytes, 0);
-    case 'T': {
-      double parsed = 0;
-      if (parse_double(value.bytes, parsed)) return parsed;
-      break;
-    }
-    default:
-      break;
+  double parsed = 0;
+  if (index < node.values.size()) {
+    const FbxValue& value = node.values[index];
+    if (value_bytes(value.type) > 0) return load_value(value.type, value.bytes);
+    if (value.type == 'T' && parse_double(value.bytes, parsed)) return parsed;
   }
   fail(std::string(node.name), "value " + std::to_string(index + 1) + " is no number", kExportAgain);
 }
@@ -140,38 +158,67 @@ int64_t FbxFile::integer(const FbxNode& node, size_t index) const {
   return static_cast<int64_t>(value);
 }
 
+void FbxFile::check_room(const FbxNode& node, size_t count) const {
+  if (count > 3 * kMaxScanElements)
+    fail(std::string(node.name), "has " + std::to_string(count) + " numbers", "reduce the scan");
+}
+
 std::vector<double> FbxFile::numbers(const FbxNode& node) const {
-  const std::string place(node.name);
-  const FbxValue* value = node.values.empty() ? nullptr : &node.values[0];
-  std::vector<double> result;
-  const auto check_room = [&](size_t count) {
-    if (count > 3 * kMaxScanElements)
-      fail(place, "has " + std::to_string(count) + " numbers", "reduce the scan");
-  };
-  if (value && value->type == '*') {
-    split_numbers(value->bytes, [&](std::string_view word) {
-      double parsed = 0;
-      if (!parse_double(word, parsed))
-        fail(place, "'" + std::string(word.substr(0, 40)) + "' is no number", kExportAgain);
-      result.push_back(parsed);
-      check_room(result.size());
-    });
-    return result;
+  if (node.values.empty()) {
+    if (version() < 7000) return {};
+    fail(std::string(node.name), "is no array", kExportAgain);
   }
-  const size_t size = value ? element_bytes(value->type) : 0;
-  if (size == 0) fail(place, "is no array", kExportAgain);
-  check_room(value->count);
+  const FbxValue& value = node.values[0];
+  if (value.type == '*') return text_numbers(node, value);
+  if (value.type == '#') return listed_numbers(node, value);
+  if (element_bytes(value.type) > 0) return array_numbers(node, value);
+  std::vector<double> result;  // a short list of version 6
+  for (size_t i = 0; i < node.values.size(); ++i) result.push_back(number(node, i));
+  return result;
+}
+
+std::vector<double> FbxFile::text_numbers(const FbxNode& node, const FbxValue& value) const {
+  std::vector<double> result;
+  split_numbers(value.bytes, [&](std::string_view word) {
+    double parsed = 0;
+    if (!parse_double(word, parsed))
+      fail(std::string(node.name), "'" + std::string(word.substr(0, 40)) + "' is no number", kExportAgain);
+    result.push_back(parsed);
+    check_room(node, result.size());
+  });
+  return result;
+}
+
+std::vector<double> FbxFile::listed_numbers(const FbxNode& node, const FbxValue& value) const {
+  check_room(node, value.count);
+  std::vector<double> result;
+  std::string_view rest = value.bytes;
+  while (!rest.empty()) {
+    const char type = rest[0];
+    const size_t size = value_bytes(type);
+    if (size == 0 || rest.size() < 1 + size)
+      fail(std::string(node.name), "holds something else than numbers", kExportAgain);
+    result.push_back(load_value(type, rest.substr(1, size)));
+    rest.remove_prefix(1 + size);
+  }
+  return result;
+}
+
+std::vector<double> FbxFile::array_numbers(const FbxNode& node, const FbxValue& value) const {
+  const std::string place(node.name);
+  const size_t size = element_bytes(value.type);
+  check_room(node, value.count);
   std::string unpacked;
-  std::string_view bytes = value->bytes;
-  if (value->packed) {
-    if (value->count * size / 1100 > bytes.size())
+  std::string_view bytes = value.bytes;
+  if (value.packed) {
+    if (value.count * size / 1100 > bytes.size())
       fail(place, "states more numbers than it holds", kExportAgain);
-    unpacked = inflated(bytes, value->count * size);
+    unpacked = inflated(bytes, value.count * size);
     bytes = unpacked;
   }
-  if (bytes.size() != value->count * size) fail(place, "is damaged: it cannot be unpacked", kExportAgain);
-  result.resize(value->count);
-  for (size_t i = 0; i < result.size(); ++i) result[i] = load_element(bytes, value->type, i);
+  if (bytes.size() != value.count * size) fail(place, "is damaged: it cannot be unpacked", kExportAgain);
+  std::vector<double> result(value.count);
+  for (size_t i = 0; i < result.size(); ++i) result[i] = load_element(bytes, value.type, i);
   return result;
 }
 

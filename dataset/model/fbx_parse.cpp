@@ -1,11 +1,22 @@
-// The binary and the ASCII encoding of FBX 7 into one tree.
+// The binary and the ASCII encoding of FBX 6 and 7 into one tree.
 #include <cstring>
 
 #include "dataset/model/error.h"
 #include "dataset/model/fbx_file.h"
+#include "dataset/model/text_lines.h"
 
 namespace ohb {
 namespace {
+
+constexpr int kOldest = 6000, kNewest = 7900;
+
+void check_version(const std::filesystem::path& file, const std::string& place, int64_t version) {
+  if (version < kOldest || version > kNewest)
+    throw InputError(
+        file.string(), place, "is FBX version " + std::to_string(version),
+        "versions 6 and 7 are read: export the scan from where it was made as FBX 7.4 (2014), OBJ "
+        "or glTF");
+}
 
 constexpr const char* kTruncated = "the file is truncated or damaged: copy or export it again";
 
@@ -14,17 +25,17 @@ class BinaryParser {
   BinaryParser(const std::filesystem::path& file, std::string_view content)
       : file_(file), content_(content) {}
 
-  FbxNode parse() {
+  FbxTree parse() {
     at_ = 23;
     const auto version = take<uint32_t>();
-    if (version < 7000 || version > 7900)
-      fail("is FBX version " + std::to_string(version), "export it as FBX 7 (2011 or later)");
+    check_version(file_, "byte 23", version);
     wide_ = version >= 7500;
-    FbxNode root;
+    FbxTree tree;
+    tree.version = static_cast<int>(version);
     while (at_ < content_.size()) {
       FbxNode node;
-      if (!parse_node(node, content_.size(), 0)) return root;
-      root.children.push_back(std::move(node));
+      if (!parse_node(node, content_.size(), 0)) return tree;
+      tree.root.children.push_back(std::move(node));
     }
     fail("ends before its last node", kTruncated);
   }
@@ -61,7 +72,11 @@ class BinaryParser {
     if (end > limit || end < at_ || value_bytes > end - at_ || value_count > value_bytes)
       fail("has a node that ends outside its parent", kTruncated);
     const uint64_t values_end = at_ + value_bytes;
-    for (uint64_t i = 0; i < value_count; ++i) node.values.push_back(parse_value());
+    if (value_count > kMaxFbxSeparateValues) {
+      node.values.push_back({'#', take_bytes(value_bytes), static_cast<uint32_t>(value_count), false});
+    } else {
+      for (uint64_t i = 0; i < value_count; ++i) node.values.push_back(parse_value());
+    }
     if (at_ != values_end) fail("has values of a wrong length", kTruncated);
     while (at_ < end) {
       FbxNode child;
@@ -120,13 +135,15 @@ class AsciiParser {
  public:
   AsciiParser(const std::filesystem::path& file, std::string_view content) : file_(file), content_(content) {}
 
-  FbxNode parse() {
-    FbxNode root;
-    parse_nodes(root, 0);
+  FbxTree parse() {
+    FbxTree tree;
+    tree.version = static_cast<int>(stated_version());
+    check_version(file_, "FBXVersion", tree.version);
+    parse_nodes(tree.root, 0);
     skip_blanks();
     if (at_ < content_.size()) fail("has a '}' too many");
-    if (!root.child("Objects")) fail("has no Objects: this is no FBX 7 file");
-    return root;
+    if (!tree.root.child("Objects")) fail("has no Objects");
+    return tree;
   }
 
  private:
@@ -134,6 +151,20 @@ class AsciiParser {
     size_t line = 1;
     for (size_t i = 0; i < at_ && i < content_.size(); ++i) line += content_[i] == '\n';
     throw InputError(file_.string(), "line " + std::to_string(line), cause, kTruncated);
+  }
+
+  /// Looked for before the rest is parsed: other versions may be written in other ways. 7000 if it is not
+  /// there.
+  int64_t stated_version() const {
+    const std::string_view key = "FBXVersion:";
+    const size_t found = content_.find(key);
+    if (found == std::string_view::npos) return 7000;
+    size_t begin = found + key.size();
+    while (begin < content_.size() && (content_[begin] == ' ' || content_[begin] == '\t')) ++begin;
+    size_t end = begin;
+    while (end < content_.size() && end - begin < 9 && content_[end] >= '0' && content_[end] <= '9') ++end;
+    long long version = 0;
+    return parse_integer(content_.substr(begin, end - begin), version) ? version : 7000;
   }
 
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
@@ -189,36 +220,57 @@ class AsciiParser {
     ++at_;
   }
 
-  /// Values up to the end of the line or '{'; a comma at the end of a line goes on.
+  /// Values up to the end of the line or '{'. They go on where a line ends or the next begins with a comma,
+  /// or where they only begin there ("Key: " of version 6).
   void parse_values(FbxNode& node) {
-    bool more = true;
-    for (skip_blanks(false); at_ < content_.size() && more; skip_blanks(false)) {
+    const size_t begin = at_;
+    size_t end = at_;
+    for (skip_blanks(false); at_ < content_.size() && goes_on(node.values.empty()); skip_blanks(false)) {
+      skip_blanks();
+      if (peek() == ',') ++at_;
+      skip_blanks();
       const char c = peek();
-      if (c == '\n' || c == '{' || c == '}') return;
-      FbxValue value;
-      if (c == '"') {
-        const size_t end = content_.find('"', at_ + 1);
-        if (end == std::string_view::npos) fail("ends within a text");
-        value.type = 'S';
-        value.bytes = content_.substr(at_ + 1, end - at_ - 1);
-        at_ = end + 1;
-      } else if (c == '*') {
-        ++at_;
-        take_word();
-        value.type = '*';
-      } else {
-        value.type = 'T';
-        value.bytes = take_word();
-        if (value.bytes.empty() && c != ',') fail("has a stray character");
-      }
-      if (value.type != 'T' || !value.bytes.empty()) node.values.push_back(value);
-      skip_blanks(false);
-      more = peek() == ',';
-      if (more) {
-        ++at_;
-        skip_blanks();
-      }
+      if (c == '}' || c == '{' || c == '\0') break;
+      const FbxValue value = take_value();
+      end = at_;
+      if (node.values.size() == kMaxFbxSeparateValues) node.values = {{'*', {}, 0, false}};
+      const bool is_list = node.values.size() == 1 && node.values[0].type == '*' && value.type != '*';
+      if (!is_list) node.values.push_back(value);
     }
+    if (node.values.size() == 1 && node.values[0].type == '*')
+      node.values[0].bytes = content_.substr(begin, end - begin);
+  }
+
+  /// Whether another value follows: at the first on the line or after a comma.
+  bool goes_on(bool is_first) const {
+    size_t at = at_;
+    const bool ends_line = content_[at] == '\n';
+    while (at < content_.size() && is_blank(content_[at])) ++at;
+    const char c = at < content_.size() ? content_[at] : '\0';
+    if (c == ',') return true;
+    if (!is_first || c == '\0' || c == '{' || c == '}') return false;
+    return !ends_line || (c >= '0' && c <= '9') || c == '-' || c == '.';
+  }
+
+  FbxValue take_value() {
+    FbxValue value;
+    const char c = peek();
+    if (c == '"') {
+      const size_t end = content_.find('"', at_ + 1);
+      if (end == std::string_view::npos) fail("ends within a text");
+      value.type = 'S';
+      value.bytes = content_.substr(at_ + 1, end - at_ - 1);
+      at_ = end + 1;
+    } else if (c == '*') {
+      ++at_;
+      take_word();
+      value.type = '*';
+    } else {
+      value.type = 'T';
+      value.bytes = take_word();
+      if (value.bytes.empty()) fail("has a stray character");
+    }
+    return value;
   }
 
   const std::filesystem::path& file_;
@@ -228,14 +280,14 @@ class AsciiParser {
 
 }  // namespace
 
-FbxNode parse_binary_fbx(const std::filesystem::path& file, std::string_view content) {
+FbxTree parse_binary_fbx(const std::filesystem::path& file, std::string_view content) {
   if (content.size() < 27)
     throw InputError(file.string(), "byte " + std::to_string(content.size()), "FBX header is cut off",
                      kTruncated);
   return BinaryParser(file, content).parse();
 }
 
-FbxNode parse_ascii_fbx(const std::filesystem::path& file, std::string_view content) {
+FbxTree parse_ascii_fbx(const std::filesystem::path& file, std::string_view content) {
   if (content.find('\0') != std::string_view::npos ||
       content.find("FBXHeaderExtension") == std::string_view::npos)
     throw InputError(file.string(), "", "is no FBX file", "export the scan as FBX, GLB or OBJ");

@@ -55,22 +55,31 @@ Affine transposed(const Affine& a) {
 
 }  // namespace
 
+const FbxNode* FbxProperties::list_of(const FbxNode& object) {
+  const FbxNode* list = object.child("Properties70");
+  return list ? list : object.child("Properties60");
+}
+
 const FbxNode* FbxProperties::find(std::string_view name) const {
-  if (!list_) return nullptr;
-  for (const FbxNode& property : list_->children)  // "name", "type", "label", "flags", values...
-    if (property.values.size() > 4 && property.values[0].bytes == name) return &property;
+  for (const FbxNode* list : {list_, defaults_}) {
+    if (!list) continue;
+    for (const FbxNode& property : list->children)
+      if (property.values.size() > first_value() && property.values[0].bytes == name) return &property;
+  }
   return nullptr;
 }
 
 double FbxProperties::number(std::string_view name, double missing) const {
   const FbxNode* property = find(name);
-  return property ? file_.number(*property, 4) : missing;
+  return property ? file_.number(*property, first_value()) : missing;
 }
 
 Triple FbxProperties::vector(std::string_view name, Triple missing) const {
   const FbxNode* property = find(name);
   if (!property) return missing;
-  return {file_.number(*property, 4), file_.number(*property, 5), file_.number(*property, 6)};
+  const size_t first = first_value();
+  return {file_.number(*property, first), file_.number(*property, first + 1),
+          file_.number(*property, first + 2)};
 }
 
 Affine fbx_local_transform(const FbxProperties& model) {

@@ -1,13 +1,17 @@
-// FBX 7: meshes of the scene with their polygons in file order, node transforms applied, pose at rest, the
-// file's stated up axis turned to +Y. The unit is what the file states (UnitScaleFactor, cm).
+// FBX 6 and 7: meshes of the scene with their polygons in file order, shape keys and node transforms applied,
+// bones at rest, the file's stated up axis turned to +Y. The unit is what the file states (UnitScaleFactor,
+// cm).
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <unordered_map>
 
 #include "dataset/model/affine.h"
+#include "dataset/model/colour.h"
 #include "dataset/model/error.h"
-#include "dataset/model/fbx_file.h"
+#include "dataset/model/fbx_materials.h"
+#include "dataset/model/fbx_scene.h"
+#include "dataset/model/fbx_shapes.h"
 #include "dataset/model/fbx_transform.h"
 #include "dataset/model/scan_readers.h"
 
@@ -16,49 +20,46 @@ namespace {
 
 constexpr const char* kExportAgain = "export the scan again";
 
-struct Link {
-  int64_t other = 0;
-  std::string property;  // of "OP" connections
+/// A layer of a mesh: values that corners, vertices or faces index.
+struct Layer {
+  std::vector<double> values, index;
+  bool has_index = false;
+  std::string mapping = "ByPolygonVertex";
+  bool is_by_vertex() const { return mapping == "ByVertice" || mapping == "ByVertex"; }
+  /// -1: none; -2: beyond the index.
+  double at(size_t item) const {
+    return !has_index ? static_cast<double>(item) : item < index.size() ? index[item] : -2;
+  }
 };
 
 class FbxReader {
  public:
-  explicit FbxReader(const std::filesystem::path& file) : fbx_(file), files_(scan_) { scan_.file = file; }
+  explicit FbxReader(const std::filesystem::path& file)
+      : scene_(file), fbx_(scene_.file()), files_(scan_), materials_(scene_, scan_, files_) {
+    scan_.file = file;
+  }
 
   Scan read() {
-    index_objects();
     read_settings();
-    const FbxNode& objects = *fbx_.root().child("Objects");
-    for (const FbxNode& object : objects.children) {
+    bool has_skin = false;
+    for (const FbxNode& object : scene_.objects().children) {
       if (object.name == "Model" && !object.values.empty()) read_model(object);
-      if (object.name == "Deformer") has_deformer_ = true;
+      const std::string type = object.name == "Deformer" ? scene_.type_of(object) : "BlendShape";
+      has_skin = has_skin || (type != "BlendShape" && type != "BlendShapeChannel");
     }
     close_faces(scan_);
-    if (has_deformer_) scan_.notes.push_back("the mesh is rigged: its pose at rest is used");
+    store_positions(scan_, positions_);
+    if (!scan_.corner_colours.empty()) settle_vertex_colours(scan_, is_coloured_);
+    if (has_skin) scan_.notes.push_back("the mesh is rigged: its pose at rest is used");
+    if (scene_.is_version_6()) scan_.notes.push_back("is FBX " + std::to_string(fbx_.version()));
     if (scan_.materials.empty()) scan_.materials.emplace_back().name = "default";
     if (scan_.groups.empty()) scan_.groups.push_back("default");
     return std::move(scan_);
   }
 
  private:
-  void index_objects() {
-    const FbxNode* objects = fbx_.root().child("Objects");
-    if (!objects) fbx_.fail("Objects", "are missing", kExportAgain);
-    for (const FbxNode& object : objects->children)
-      if (!object.values.empty()) objects_.emplace(fbx_.integer(object, 0), &object);
-    const FbxNode* connections = fbx_.root().child("Connections");
-    if (!connections) return;
-    for (const FbxNode& c : connections->children) {
-      if (c.values.size() < 3) continue;
-      const int64_t from = fbx_.integer(c, 1), to = fbx_.integer(c, 2);
-      const std::string property = c.values.size() > 3 ? fbx_.text(c, 3) : "";
-      parts_[to].push_back({from, property});
-      wholes_[from].push_back({to, property});
-    }
-  }
-
   void read_settings() {
-    const FbxNode* settings = fbx_.root().child("GlobalSettings");
+    const FbxNode* settings = scene_.settings();
     scan_.stated_unit_cm = 1;
     if (!settings) return;
     const FbxProperties properties(fbx_, *settings);
@@ -84,58 +85,42 @@ class FbxReader {
     return static_cast<int>(value);
   }
 
-  const FbxNode* object_of(int64_t id, std::string_view kind) const {
-    const auto found = objects_.find(id);
-    return found != objects_.end() && found->second->name == kind ? found->second : nullptr;
-  }
-
-  const std::vector<Link>& parts_of(int64_t id) const {
-    static const std::vector<Link> none;
-    const auto found = parts_.find(id);
-    return found == parts_.end() ? none : found->second;
-  }
-
-  /// Binary files write "name\0\1Class", ASCII ones "Class::name".
-  std::string name_of(const FbxNode& object) const {
-    std::string name = object.values.size() > 1 ? fbx_.text(object, 1) : "";
-    const size_t zero = name.find('\0');
-    if (zero != std::string::npos) name.resize(zero);
-    const size_t colons = name.find("::");
-    if (colons != std::string::npos) name.erase(0, colons + 2);
-    return name.empty() ? std::string(object.name) : name;
-  }
-
-  Affine world_of(int64_t model_id) const {
+  Affine world_of(const FbxNode& model) const {
     Affine world;
-    int64_t id = model_id;
-    for (int depth = 0;; ++depth) {
-      const FbxNode* model = object_of(id, "Model");
-      if (!model) return to_y_up_ * world;
+    const FbxNode* node = &model;  // by node, not by id: version 6 may give one name twice
+    for (int depth = 0; node; ++depth) {
       if (depth > 1000) fbx_.fail("Connections", "make a node its own ancestor", kExportAgain);
-      world = fbx_local_transform(FbxProperties(fbx_, *model)) * world;
-      const auto parents = wholes_.find(id);
-      id = 0;
-      if (parents != wholes_.end())
-        for (const Link& parent : parents->second)
-          if (object_of(parent.other, "Model")) id = parent.other;
+      world = fbx_local_transform(FbxProperties(fbx_, *node)) * world;
+      const FbxNode* parent = nullptr;
+      for (const FbxLink& link : scene_.wholes_of(scene_.id_of(*node)))
+        if (const FbxNode* found = scene_.object_of(link.other, "Model")) parent = found;
+      node = parent;
     }
+    return to_y_up_ * world;
   }
+
+  /// What a mesh's faces may name.
+  struct Slots {
+    std::vector<const FbxNode*> materials, textures;  // textures: version 6
+  };
 
   void read_model(const FbxNode& model) {
-    const int64_t id = fbx_.integer(model, 0);
-    std::vector<size_t> materials;
+    const int64_t id = scene_.id_of(model);
+    Slots slots;
     std::vector<const FbxNode*> geometries;
-    for (const Link& link : parts_of(id)) {
-      if (const FbxNode* material = object_of(link.other, "Material"))
-        materials.push_back(material_of(*material));
-      const FbxNode* geometry = object_of(link.other, "Geometry");
+    for (const FbxLink& link : scene_.parts_of(id)) {
+      if (const FbxNode* material = scene_.object_of(link.other, "Material"))
+        slots.materials.push_back(material);
+      if (const FbxNode* texture = scene_.object_of(link.other, "Texture")) slots.textures.push_back(texture);
+      const FbxNode* geometry = scene_.object_of(link.other, "Geometry");
       if (geometry && geometry->child("PolygonVertexIndex")) geometries.push_back(geometry);
     }
+    if (scene_.is_version_6() && model.child("PolygonVertexIndex")) geometries.push_back(&model);
     if (geometries.empty()) return;
-    const Affine placed = world_of(id) * fbx_geometric_transform(FbxProperties(fbx_, model));
-    const size_t group = group_of(name_of(model));
+    const Affine placed = world_of(model) * fbx_geometric_transform(FbxProperties(fbx_, model));
+    const std::string name = scene_.name_of(model);
     for (const FbxNode* geometry : geometries)
-      read_geometry(*geometry, name_of(model), placed, group, materials);
+      read_geometry(*geometry, "mesh '" + name + "'", placed, group_of(name), slots);
   }
 
   size_t group_of(const std::string& name) {
@@ -151,40 +136,51 @@ class FbxReader {
                 "a scan may have " + std::to_string(kMaxScanElements));
   }
 
-  void read_geometry(const FbxNode& geometry, const std::string& name, const Affine& placed, size_t group,
-                     const std::vector<size_t>& materials) {
-    const std::string place = "mesh '" + name + "'";
-    const size_t base = scan_.positions.size(), first_face = scan_.face_begin.size();
+  void read_geometry(const FbxNode& geometry, const std::string& place, const Affine& placed, size_t group,
+                     const Slots& slots) {
+    const size_t base = positions_.size(), first_face = scan_.face_begin.size();
     const size_t first_corner = scan_.corners.size();
-    const FbxNode* vertices = geometry.child("Vertices");
-    if (!vertices) fbx_.fail(place, "has no Vertices", kExportAgain);
-    const std::vector<double> xyz = fbx_.numbers(*vertices);
-    check_room(base + xyz.size() / 3, place);
-    for (size_t i = 0; i + 2 < xyz.size(); i += 3) {
-      const Vec3f p = transformed(placed, xyz[i], xyz[i + 1], xyz[i + 2]);
-      if (!is_finite(p))
-        fbx_.fail(place, numbered("vertex", i / 3) + " is not finite", "remove the vertex and its faces");
-      scan_.positions.push_back(p);
-    }
+    read_positions(geometry, place, placed);
     if (geometry.child("LayerElementNormal")) scan_.has_file_normals = true;
     read_polygons(geometry, place, base, group);
     read_uvs(geometry, place, base, first_corner);
-    read_face_materials(geometry, place, first_face, materials);
-    if (determinant(placed) < 0)
-      for (size_t f = first_face; f < scan_.face_begin.size(); ++f)
-        std::reverse(corner_at(f) + 1, corner_at(f + 1));
+    read_face_materials(geometry, place, first_face, slots);
+    read_colours(geometry, place, base, first_face);
+    if (determinant(placed) >= 0) return;
+    for (size_t f = first_face; f < scan_.face_begin.size(); ++f) {
+      const auto begin = static_cast<std::ptrdiff_t>(scan_.face_begin[f]), end = end_of_face(f);
+      std::reverse(scan_.corners.begin() + begin + 1, scan_.corners.begin() + end);
+      if (scan_.corner_colours.size() == scan_.corners.size())
+        std::reverse(scan_.corner_colours.begin() + begin + 1, scan_.corner_colours.begin() + end);
+    }
   }
 
-  std::vector<Corner>::iterator corner_at(size_t face) {
-    const bool last = face >= scan_.face_begin.size();
-    return scan_.corners.begin() + (last ? static_cast<std::ptrdiff_t>(scan_.corners.size())
-                                         : static_cast<std::ptrdiff_t>(scan_.face_begin[face]));
+  /// Also of the last face, which is not closed yet.
+  std::ptrdiff_t end_of_face(size_t face) const {
+    return static_cast<std::ptrdiff_t>(face + 1 < scan_.face_begin.size() ? scan_.face_begin[face + 1]
+                                                                          : scan_.corners.size());
+  }
+
+  void read_positions(const FbxNode& geometry, const std::string& place, const Affine& placed) {
+    const FbxNode* vertices = geometry.child("Vertices");
+    if (!vertices) fbx_.fail(place, "has no Vertices", kExportAgain);
+    const std::vector<double> xyz = fbx_.numbers(*vertices);
+    check_room(positions_.size() + xyz.size() / 3, place);
+    std::vector<Vec3d> own;
+    for (size_t i = 0; i + 2 < xyz.size(); i += 3) own.push_back({xyz[i], xyz[i + 1], xyz[i + 2]});
+    apply_fbx_shapes(scene_, geometry, place, own, scan_.notes);
+    for (size_t i = 0; i < own.size(); ++i) {
+      const Vec3d p = transformed(placed, own[i]);
+      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+        fbx_.fail(place, numbered("vertex", i) + " is not finite", "remove the vertex and its faces");
+      positions_.push_back(p);
+    }
   }
 
   /// The last corner of each polygon is stored as its complement.
   void read_polygons(const FbxNode& geometry, const std::string& place, size_t base, size_t group) {
     const std::vector<double> indices = fbx_.numbers(*geometry.child("PolygonVertexIndex"));
-    const double vertex_count = static_cast<double>(scan_.positions.size() - base);
+    const double vertex_count = static_cast<double>(positions_.size() - base);
     check_room(scan_.corners.size() + indices.size(), place);
     bool starts = true;
     for (size_t i = 0; i < indices.size(); ++i) {
@@ -195,25 +191,36 @@ class FbxReader {
         fbx_.fail(place,
                   "corner " + std::to_string(i + 1) + " names vertex " +
                       std::to_string(static_cast<int64_t>(index) + 1) + " of " +
-                      std::to_string(scan_.positions.size() - base),
+                      std::to_string(positions_.size() - base),
                   kExportAgain);
       scan_.corners.push_back({static_cast<uint32_t>(base + static_cast<size_t>(index)), Corner::kNoUv});
     }
     if (!starts) fbx_.fail(place, "ends within a polygon", kExportAgain);
   }
 
+  /// The first layer of that kind; no values if the mesh has none.
+  Layer layer_of(const FbxNode& geometry, const char* kind, const char* values, const char* index) const {
+    Layer layer;
+    const FbxNode* node = geometry.child(kind);
+    const FbxNode* value_node = node ? node->child(values) : nullptr;
+    if (!value_node || value_node->values.empty()) return layer;
+    layer.values = fbx_.numbers(*value_node);
+    if (const FbxNode* mapping = node->child("MappingInformationType"))
+      layer.mapping = fbx_.text(*mapping, 0);
+    const FbxNode* index_node = node->child(index);
+    if (index_node && !index_node->values.empty()) {
+      layer.index = fbx_.numbers(*index_node);
+      layer.has_index = true;
+    }
+    return layer;
+  }
+
   void read_uvs(const FbxNode& geometry, const std::string& place, size_t base, size_t first_corner) {
-    const FbxNode* layer = geometry.child("LayerElementUV");
-    const FbxNode* values = layer ? layer->child("UV") : nullptr;
-    if (!values) return;
-    const FbxNode* mapping = layer->child("MappingInformationType");
-    const std::string kind = mapping ? fbx_.text(*mapping, 0) : "ByPolygonVertex";
-    const bool by_vertex = kind == "ByVertice" || kind == "ByVertex";
-    if (!by_vertex && kind != "ByPolygonVertex")
-      fbx_.fail(place, "has UVs mapped '" + kind + "'", kExportAgain);
-    const std::vector<double> uv = fbx_.numbers(*values);
-    const FbxNode* index_node = layer->child("UVIndex");
-    const std::vector<double> index = index_node ? fbx_.numbers(*index_node) : std::vector<double>();
+    const Layer layer = layer_of(geometry, "LayerElementUV", "UV", "UVIndex");
+    const std::vector<double>& uv = layer.values;
+    if (uv.empty()) return;
+    if (!layer.is_by_vertex() && layer.mapping != "ByPolygonVertex")
+      fbx_.fail(place, "has UVs mapped '" + layer.mapping + "'", kExportAgain);
     const size_t uv_base = scan_.uvs.size();
     check_room(uv_base + uv.size() / 2, place);
     for (size_t i = 0; i + 1 < uv.size(); i += 2) {
@@ -222,8 +229,8 @@ class FbxReader {
         fbx_.fail(place, numbered("UV", i / 2) + " is not finite", "unwrap its faces again");
     }
     for (size_t c = first_corner; c < scan_.corners.size(); ++c) {
-      const size_t item = by_vertex ? scan_.corners[c].position - base : c - first_corner;
-      const double target = !index_node ? static_cast<double>(item) : item < index.size() ? index[item] : -2;
+      const double target =
+          layer.at(layer.is_by_vertex() ? scan_.corners[c].position - base : c - first_corner);
       if (target == -1) continue;  // a corner without UV
       if (!(target >= 0 && target < static_cast<double>(uv.size() / 2)))
         fbx_.fail(place, "corner " + std::to_string(c - first_corner + 1) + " has a UV index out of range",
@@ -233,129 +240,81 @@ class FbxReader {
   }
 
   void read_face_materials(const FbxNode& geometry, const std::string& place, size_t first_face,
-                           const std::vector<size_t>& materials) {
-    const FbxNode* layer = geometry.child("LayerElementMaterial");
-    const FbxNode* values = layer ? layer->child("Materials") : nullptr;
-    const FbxNode* mapping = layer ? layer->child("MappingInformationType") : nullptr;
-    const bool by_polygon = values && mapping && fbx_.text(*mapping, 0) == "ByPolygon";
-    const std::vector<double> slots = by_polygon ? fbx_.numbers(*values) : std::vector<double>();
+                           const Slots& slots) {
+    if (slots.textures.empty())  // materials that no face uses are listed too, in the order of the slots
+      for (const FbxNode* slot : slots.materials) materials_.index_of(slot);
+    const std::vector<double> material =
+        numbers_of_faces(geometry, "LayerElementMaterial", "Materials", first_face, place);
+    const std::vector<double> texture =
+        slots.textures.empty()
+            ? std::vector<double>()
+            : numbers_of_faces(geometry, "LayerElementTexture", "TextureId", first_face, place);
+    const auto node_at = [](const std::vector<const FbxNode*>& nodes, double slot) {
+      return slot >= 0 && slot < static_cast<double>(nodes.size()) ? nodes[static_cast<size_t>(slot)]
+                                                                   : nullptr;
+    };
+    for (size_t f = first_face; f < scan_.face_begin.size(); ++f)
+      scan_.face_material[f] = static_cast<uint16_t>(
+          materials_.index_of(node_at(slots.materials, material[f - first_face]),
+                              texture.empty() ? nullptr : node_at(slots.textures, texture[f - first_face])));
+  }
+
+  /// One number a face: the layer's, or the first of what it names for all; 0 without a layer.
+  std::vector<double> numbers_of_faces(const FbxNode& geometry, const char* kind, const char* values,
+                                       size_t first_face, const std::string& place) const {
+    const Layer layer = layer_of(geometry, kind, values, "");
     const size_t face_count = scan_.face_begin.size() - first_face;
-    if (by_polygon && slots.size() != face_count)
+    if (layer.mapping != "ByPolygon")
+      return std::vector<double>(face_count,
+                                 layer.mapping == "AllSame" && !layer.values.empty() ? layer.values[0] : 0);
+    if (layer.values.size() != face_count)
       fbx_.fail(place,
-                "has " + std::to_string(slots.size()) + " material indices for " +
+                "has " + std::to_string(layer.values.size()) + " material indices for " +
                     std::to_string(face_count) + " faces",
                 kExportAgain);
-    for (size_t f = 0; f < face_count; ++f) {
-      const double slot = by_polygon ? slots[f] : 0;
-      const bool known = slot >= 0 && slot < static_cast<double>(materials.size());
-      scan_.face_material[first_face + f] =
-          static_cast<uint16_t>(known ? materials[static_cast<size_t>(slot)] : default_material());
-    }
+    return layer.values;
   }
 
-  size_t default_material() {
-    if (!default_material_) {
-      default_material_ = scan_.materials.size();
-      scan_.materials.emplace_back().name = "default";
-    }
-    return *default_material_;
-  }
-
-  size_t material_of(const FbxNode& node) {
-    const int64_t id = fbx_.integer(node, 0);
-    const auto found = materials_.find(id);
-    if (found != materials_.end()) return found->second;
-    ScanMaterial material;
-    material.name = name_of(node);
-    const auto colour = FbxProperties(fbx_, node).vector("DiffuseColor", {1, 1, 1});
-    for (double value : colour)
-      if (!(value >= 0 && value < 1e6))
-        fbx_.fail("material '" + material.name + "'", "has no colour", "correct it");
-    material.diffuse_factor = {static_cast<float>(colour[0]), static_cast<float>(colour[1]),
-                               static_cast<float>(colour[2])};
-    for (const Link& link : parts_of(id))
-      if (const FbxNode* texture = object_of(link.other, "Texture"))
-        set_picture(material, link.property, *texture);
-    if (!material.diffuse.empty()) material.diffuse_factor = {1, 1, 1};
-    if (scan_.materials.size() >= kMaxScanNames)
-      fbx_.fail("Objects", "has too many materials", "join some of them");
-    scan_.materials.push_back(material);
-    return materials_[id] = scan_.materials.size() - 1;
-  }
-
-  /// Exporters name the slot in their own ways: the last part of "3dsMax|Parameters|base_color_map" counts.
-  void set_picture(ScanMaterial& material, const std::string& property, const FbxNode& texture) {
-    const std::string slot =
-        property.substr(property.rfind('|') == std::string::npos ? 0 : property.rfind('|') + 1);
-    const auto is_one_of = [&](std::initializer_list<const char*> names) {
-      return std::any_of(names.begin(), names.end(), [&](const char* name) { return slot == name; });
-    };
-    if (is_one_of({"DiffuseColor", "base_color_map", "baseColor", "TEX_color_map", "diffuse_map"})) {
-      material.diffuse = picture_of(texture);
-    } else if (is_one_of({"NormalMap", "normal_map", "norm_map", "normalCamera", "TEX_normal_map"})) {
-      material.normal = picture_of(texture);
-    } else if (is_one_of(
-                   {"TransparentColor", "TransparencyFactor", "Opacity", "opacity_map", "cutout_map"})) {
-      material.alpha = picture_of(texture);
-    } else if (slot == "Bump") {
-      const ScanPicture picture = picture_of(texture);
-      if (picture.empty()) return;
-      if (!is_normal_map(picture)) {
-        scan_.notes.push_back(picture.file.filename().string() + " is a grey height map, which is not used");
-      } else if (material.normal.empty()) {
-        material.normal = picture;
+  /// sRGB, as Blender takes them. Layers of one colour are what programs write that have no colours.
+  void read_colours(const FbxNode& geometry, const std::string& place, size_t base, size_t first_face) {
+    const Layer layer = layer_of(geometry, "LayerElementColor", "Colors", "ColorIndex");
+    const std::vector<double>& rgba = layer.values;
+    bool differ = false;
+    for (size_t i = 4; i < rgba.size(); ++i) differ = differ || (i % 4 != 3 && rgba[i] != rgba[i % 4]);
+    const bool is_by_face = layer.mapping == "ByPolygon";
+    if (!differ || first_face == scan_.face_begin.size() ||
+        (!is_by_face && !layer.is_by_vertex() && layer.mapping != "ByPolygonVertex"))
+      return;
+    scan_.corner_colours.resize(scan_.corners.size());
+    is_coloured_.resize(scan_.face_begin.size(), false);
+    const size_t first_corner = scan_.face_begin[first_face];
+    for (size_t f = first_face; f < scan_.face_begin.size(); ++f) {
+      is_coloured_[f] = true;
+      for (auto c = scan_.face_begin[f]; c < static_cast<size_t>(end_of_face(f)); ++c) {
+        const double target = layer.at(is_by_face             ? f - first_face
+                                       : layer.is_by_vertex() ? scan_.corners[c].position - base
+                                                              : c - first_corner);
+        if (target == -1) continue;
+        if (!(target >= 0 && target < static_cast<double>(rgba.size() / 4)))
+          fbx_.fail(place, "corner " + std::to_string(c - first_corner + 1) + " has a colour out of range",
+                    kExportAgain);
+        const double* const colour = &rgba[4 * static_cast<size_t>(target)];
+        for (int k = 0; k < 3; ++k)
+          scan_.corner_colours[c].rgb[k] =
+              srgb_to_linear(static_cast<float>(std::clamp(colour[k], 0.0, 1.0)));
       }
     }
   }
 
-  ScanPicture picture_of(const FbxNode& texture) {
-    const std::string place = "texture '" + name_of(texture) + "'";
-    const int64_t id = fbx_.integer(texture, 0);
-    const auto known = pictures_.find(id);
-    if (known != pictures_.end()) return known->second;
-    for (const Link& link : parts_of(id)) {
-      const FbxNode* video = object_of(link.other, "Video");
-      const FbxNode* content = video ? video->child("Content") : nullptr;
-      if (!content || content->values.empty() || content->values[0].type == 'T') continue;
-      if (content->values[0].type == 'S')
-        fbx_.fail(place, "is embedded in an ASCII file, which is not supported", "export as binary FBX");
-      std::string bytes = fbx_.text(*content, 0);
-      if (!bytes.empty())
-        return pictures_[id] = embed_picture(fbx_.path(), name_of(*video), std::move(bytes));
-    }
-    return pictures_[id] = find_beside(texture, place);
-  }
-
-  /// FBX keeps the paths of the machine that wrote it, in the texture and in its video.
-  ScanPicture find_beside(const FbxNode& texture, const std::string& place) {
-    std::vector<std::string> names;
-    const auto add_names = [&](const FbxNode& node) {
-      for (const char* key : {"RelativeFilename", "FileName", "Filename"}) {
-        const FbxNode* name = node.child(key);
-        if (!name || name->values.empty()) continue;
-        names.push_back(fbx_.text(*name, 0));
-        if (names.back().empty()) names.pop_back();
-      }
-    };
-    add_names(texture);
-    for (const Link& link : parts_of(fbx_.integer(texture, 0)))
-      if (const FbxNode* video = object_of(link.other, "Video")) add_names(*video);
-    if (!names.empty()) return files_.picture(fbx_.path(), place, names);
-    scan_.notes.push_back(place + " names no picture");
-    return {};
-  }
-
-  FbxFile fbx_;
+  FbxScene scene_;
+  const FbxFile& fbx_;
   Scan scan_;
   ScanFiles files_;
+  FbxMaterials materials_;
+  std::vector<Vec3d> positions_;
+  std::vector<bool> is_coloured_;  // by face
   Affine to_y_up_;
-  std::unordered_map<int64_t, const FbxNode*> objects_;
-  std::unordered_map<int64_t, std::vector<Link>> parts_, wholes_;  // children, parents
-  std::unordered_map<int64_t, size_t> materials_;
-  std::unordered_map<int64_t, ScanPicture> pictures_;
   std::unordered_map<std::string, size_t> groups_;
-  std::optional<size_t> default_material_;
-  bool has_deformer_ = false;
 };
 
 }  // namespace

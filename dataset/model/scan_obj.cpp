@@ -1,8 +1,12 @@
 // Wavefront OBJ. Read here and not by a library because labels index faces and corners in source order,
 // positions must be the nearest floats, and an error must name its line.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <unordered_map>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/colour.h"
 #include "dataset/model/error.h"
 #include "dataset/model/scan_readers.h"
 #include "dataset/model/text_lines.h"
@@ -22,6 +26,8 @@ class ObjReader {
     close_faces(scan_);
     check_indices();
     resolve_materials();
+    store_positions(scan_, positions_);
+    take_vertex_colours();
     if (scan_.groups.empty()) scan_.groups.push_back("default");
     return std::move(scan_);
   }
@@ -32,6 +38,7 @@ class ObjReader {
   }
 
   void read_line(std::string_view line) {
+    if (line.empty() && lines_.comment().substr(0, 6) == "#MRGB ") read_mrgb(lines_.comment().substr(6));
     const std::string_view keyword = next_word(line);
     if (keyword == "v") {
       read_position(line);
@@ -51,18 +58,21 @@ class ObjReader {
     }
   }
 
-  void read_numbers(std::string_view line, const char* what, int wanted, int at_least, float* values) {
+  /// Gives how many there were.
+  int read_numbers(std::string_view line, const char* what, int wanted, int at_least, double* values) {
     for (int i = 0; i < wanted; ++i) {
       const std::string_view word = next_word(line);
-      if (word.empty() && i >= at_least) return;
+      if (word.empty() && i >= at_least) return i;
       if (word.empty())
         fail(std::string(what) + " has " + std::to_string(i) + " numbers instead of " +
                  std::to_string(at_least),
              "export the scan again: the line is cut off");
-      if (!parse_float(word, values[i]))
+      float single = 0;
+      if (!parse_float(word, single) || !parse_double(word, values[i]))
         fail(std::string(what) + ": '" + std::string(word.substr(0, 40)) + "' is no number",
              "numbers have a decimal point and fit a 32-bit float");
     }
+    return wanted;
   }
 
   void check_room(size_t count, const char* what) const {
@@ -71,22 +81,60 @@ class ObjReader {
   }
 
   void read_position(std::string_view line) {
-    check_room(scan_.positions.size(), "vertices");
-    float xyz[3] = {0, 0, 0};
-    read_numbers(line, "vertex", 3, 3, xyz);
-    const Vec3f position{xyz[0], xyz[1], xyz[2]};
-    if (!is_finite(position))
-      fail(numbered("vertex", scan_.positions.size()) + " is not finite", "remove the vertex and its faces");
-    scan_.positions.push_back(position);
+    check_room(positions_.size(), "vertices");
+    double values[6] = {0, 0, 0, 0, 0, 0};
+    const int count = read_numbers(line, "vertex", 6, 3, values);
+    if (!std::isfinite(values[0]) || !std::isfinite(values[1]) || !std::isfinite(values[2]))
+      fail(numbered("vertex", positions_.size()) + " is not finite", "remove the vertex and its faces");
+    positions_.push_back({values[0], values[1], values[2]});
+    if (count < 6) return;  // a fourth number is a weight
+    if (!(values[3] >= 0 && values[4] >= 0 && values[5] >= 0 &&
+          std::max({values[3], values[4], values[5]}) <= 255))
+      fail(numbered("vertex", positions_.size() - 1) + " has a colour that is none",
+           "colours are from 0 to 1 or from 0 to 255");
+    colours_.resize(positions_.size(), kNoColour);
+    colours_.back() = {static_cast<float>(values[3]), static_cast<float>(values[4]),
+                       static_cast<float>(values[5])};
+  }
+
+  /// ZBrush: "#MRGB" and eight hexadecimal digits a vertex, mask and colour.
+  void read_mrgb(std::string_view digits) {
+    for (; digits.size() >= 8 && colours_.size() < kMaxScanElements; digits.remove_prefix(8)) {
+      uint32_t value = 0;
+      const auto read = std::from_chars(digits.data(), digits.data() + 8, value, 16);
+      if (read.ec != std::errc() || read.ptr != digits.data() + 8) return;
+      colours_.push_back({static_cast<float>(value >> 16 & 255) / 255,
+                          static_cast<float>(value >> 8 & 255) / 255, static_cast<float>(value & 255) / 255});
+    }
+  }
+
+  /// Colours are sRGB, as Blender takes them. Faces with a colour at each corner are coloured.
+  void take_vertex_colours() {
+    if (colours_.empty()) return;
+    colours_.resize(positions_.size(), kNoColour);
+    float largest = 0;
+    for (Vec3f c : colours_) largest = std::max({largest, c.x, c.y, c.z});
+    const float scale = largest > 1 ? 1.0f / 255 : 1;
+    if (largest > 1) scan_.notes.push_back("colours at the vertices are taken as 0 to 255");
+    std::vector<bool> is_coloured(scan_.face_count(), true);
+    scan_.corner_colours.resize(scan_.corners.size());
+    for (size_t f = 0; f < scan_.face_count(); ++f)
+      for (size_t c = scan_.face_begin[f]; c < scan_.face_begin[f + 1]; ++c) {
+        const Vec3f from = colours_[scan_.corners[c].position];
+        if (from.x < 0) is_coloured[f] = false;
+        for (int k = 0; k < 3; ++k)
+          scan_.corner_colours[c].rgb[k] = srgb_to_linear(std::max(0.0f, from[k] * scale));
+      }
+    settle_vertex_colours(scan_, is_coloured);
   }
 
   void read_uv(std::string_view line) {
     check_room(scan_.uvs.size(), "UVs");
-    float uv[2] = {0, 0};
+    double uv[2] = {0, 0};
     read_numbers(line, "UV", 2, 1, uv);
-    if (!is_finite(Vec2f{uv[0], uv[1]}))
-      fail(numbered("UV", scan_.uvs.size()) + " is not finite", "unwrap its faces again");
-    scan_.uvs.push_back({uv[0], uv[1]});
+    scan_.uvs.push_back({static_cast<float>(uv[0]), static_cast<float>(uv[1])});
+    if (!is_finite(scan_.uvs.back()))
+      fail(numbered("UV", scan_.uvs.size() - 1) + " is not finite", "unwrap its faces again");
   }
 
   /// OBJ counts from 1; negative indices count back from the latest element.
@@ -105,7 +153,7 @@ class ObjReader {
   Corner read_corner(std::string_view word) const {
     Corner corner;
     const size_t slash = word.find('/');
-    corner.position = read_index(word.substr(0, slash), scan_.positions.size(), "vertex");
+    corner.position = read_index(word.substr(0, slash), positions_.size(), "vertex");
     if (slash == std::string_view::npos) return corner;
     const std::string_view tail = word.substr(slash + 1);
     const std::string_view uv = tail.substr(0, tail.find('/'));
@@ -144,13 +192,13 @@ class ObjReader {
     for (size_t f = 0; f < scan_.face_count(); ++f)
       for (uint32_t c = scan_.face_begin[f]; c < scan_.face_begin[f + 1]; ++c) {
         const Corner& corner = scan_.corners[c];
-        const bool bad_position = corner.position >= scan_.positions.size();
+        const bool bad_position = corner.position >= positions_.size();
         if (!bad_position && (corner.uv == Corner::kNoUv || corner.uv < scan_.uvs.size())) continue;
         throw InputError(file_.string(), "line " + std::to_string(face_lines_[f]),
                          std::string("face: ") + (bad_position ? "vertex" : "UV") + " index " +
                              std::to_string((bad_position ? corner.position : corner.uv) + 1) +
                              " is out of range: the file has " +
-                             std::to_string(bad_position ? scan_.positions.size() : scan_.uvs.size()),
+                             std::to_string(bad_position ? positions_.size() : scan_.uvs.size()),
                          "the file may be cut off: export the scan again");
       }
   }
@@ -206,11 +254,14 @@ class ObjReader {
   }
 
   static constexpr size_t kNoMaterial = static_cast<size_t>(-1);
+  static constexpr Vec3f kNoColour{-1, -1, -1};
 
   std::filesystem::path file_;
   TextLines lines_;
   Scan scan_;
   ScanFiles files_;
+  std::vector<Vec3d> positions_;
+  std::vector<Vec3f> colours_;  // of positions, kNoColour for those without; may be shorter
   std::vector<uint32_t> face_lines_;
   std::vector<std::string> material_names_;
   std::unordered_map<std::string, size_t> material_indices_, group_indices_;

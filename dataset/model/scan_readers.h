@@ -47,6 +47,10 @@ void settle_pictures(Scan& scan);
 /// Sets has_vertex_colours, has_vertex_alpha and, without an alpha picture, the opacity that a cutoff leaves.
 void settle_opacity(Scan& scan);
 
+/// OBJ and FBX: colours at the vertices (`corner_colours`) stand for the colour of materials without a
+/// picture, and are not used where there is one. `is_coloured`: by face; may be shorter, the rest is not.
+void settle_vertex_colours(Scan& scan, std::vector<bool> is_coloured);
+
 /// Stores positions in single precision. Where that would lose detail (they lie 100 times as far from the
 /// origin as they are apart) a round offset is taken off first, stated in removed_offset and the notes.
 void store_positions(Scan& scan, const std::vector<Vec3d>& positions);

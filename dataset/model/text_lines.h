@@ -21,6 +21,8 @@ class TextLines {
   /// What follows the line's first word, for statements of names, which may hold a '#' ("Material #25"): a
   /// comment begins at a '#' between blanks only.
   std::string_view name() const;
+  /// The whole of a line that holds a comment alone, with its '#'; empty for other lines.
+  std::string_view comment() const { return line_.empty() ? whole_line_ : std::string_view(); }
   /// "line 12", of the first of joined lines.
   std::string place() const { return "line " + std::to_string(number_); }
   size_t number() const { return number_; }

@@ -45,6 +45,8 @@ TEST(FuzzedScans, Obj) {
   fuzz("scan.obj",
        "mtllib m.mtl\ng body\nusemtl a\n" + std::string(kQuadObj) + "vn 0 0 1\nf -1/-1/1 -2/-2/1 -3/-3/1\n",
        400, 1, folder);
+  fuzz("scan.obj", "#MRGB ff0000ff00ff00ff\nv 0 0 0 1 0 0\nv 9e5 0 0 0 1 0\nv 9e5 1 0 0 0 1\nf 1 2 3\n", 300,
+       8, folder);
 }
 
 TEST(FuzzedScans, Mtl) {
@@ -52,8 +54,9 @@ TEST(FuzzedScans, Mtl) {
   write_small_png(folder / "p.png", 4);
   write_bytes(folder / "scan.obj", "mtllib m.mtl\nusemtl a\n" + std::string(kQuadObj));
   const std::string mtl =
-      "newmtl a\nKd 1 1 1\nmap_Kd -s 1 1 1 p.png\nmap_d -imfchan m p.png\nbump -bm 1 p.png\n";
-  std::mt19937 random(2);
+      "newmtl a\nKd 1 1 1\nd .5\nmap_Kd -s 2 1 1 -o .5 0 -clamp on p.png\nTr 0\nmap_d -imfchan m p.png\nbump "
+      "-bm 1 p.png\n";
+  std::mt19937 random(9);
   for (int i = 0; i < 300; ++i) {
     std::string bytes = mtl;
     for (int flips = 0; flips < 2; ++flips) bytes[random() % bytes.size()] = static_cast<char>(random());
@@ -76,6 +79,13 @@ TEST(FuzzedScans, Fbx) {
   const TemporaryFolder folder;
   fuzz("scan.fbx", quad_fbx(), 500, 4, folder);
   fuzz("scan.fbx", ascii_quad_fbx(), 300, 5, folder);
+  write_small_png(folder / "p.png");
+  fuzz("scan.fbx",
+       ascii_quad_fbx6(
+           "\t\t\tProperty: \"smile\", \"Shape\", \"A+N\",50\n",
+           "\tTexture: \"Texture::t\", \"\" {\n\t\tFileName: \"p.png\"\n\t\tModelUVScaling: 2,2\n\t}\n",
+           "\tConnect: \"OO\", \"Texture::t\", \"Model::body\"\n"),
+       400, 7, folder);
 }
 
 TEST(FuzzedScans, Pictures) {

@@ -171,7 +171,7 @@ TEST(HostileScans, Materials) {
       mtl_case("missing picture", "map_Kd none.png\n", "line 2: picture 'none.png' is not there"),
       mtl_case("picture without name", "map_Kd\n", "line 2: map_Kd without a picture"),
       mtl_case("option without value", "map_Kd -bm\n", "option -bm without its value"),
-      mtl_case("moved picture", "map_Kd -o .5 0 0 p.png\n", "option -o moves"),
+      mtl_case("offset that is none", "map_Kd -o nan 0 p.png\n", "option -o without its value"),
       mtl_case("alpha from the red channel", "map_d -imfchan r p.png\n", "takes the channel 'r'"),
       mtl_case("colour that is none", "Kd red\n", "Kd: 'red' is no colour"),
       mtl_case("negative colour", "Kd -1 0 0\n", "Kd: '-1' is no colour"),

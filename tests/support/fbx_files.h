@@ -155,4 +155,28 @@ Connections:  {
 )";
 }
 
+/// The square as version 6 writes it: objects named, lists without arrays, the mesh in its model.
+inline std::string ascii_quad_fbx6(const std::string& in_mesh = "", const std::string& objects = "",
+                                   const std::string& connections = "") {
+  return "; FBX 6.1.0 project file\nFBXHeaderExtension:  {\n\tFBXVersion: 6100\n}\nObjects:  {\n"
+         "\tModel: \"Model::body\", \"Mesh\" {\n\t\tVersion: 232\n\t\tProperties60:  {\n"
+         "\t\t\tProperty: \"Lcl Scaling\", \"Lcl Scaling\", \"A+\",2,2,2\n" +
+         in_mesh +
+         "\t\t}\n\t\tVertices: 0,0,0,1,0,0,\n1,1,0\n\t\t  ,0,1,0\n\t\tPolygonVertexIndex: 0,1,2,-4\n"
+         "\t\tLayerElementUV: 0 {\n\t\t\tMappingInformationType: \"ByPolygonVertex\"\n"
+         "\t\t\tUV: 0,0,1,0,1,1,0,1\n\t\t\tUVIndex: 0,1,2,3\n\t\t}\n"
+         "\t\tLayerElementMaterial: 0 {\n\t\t\tMappingInformationType: \"AllSame\"\n\t\t\tMaterials: "
+         "0\n\t\t}\n"
+         "\t\tShape: \"smile\" {\n\t\t\tIndexes: 1\n\t\t\tVertices: 0,0,1\n\t\t}\n\t}\n"
+         "\tMaterial: \"Material::cloth\", \"\" {\n\t\tProperties60:  {\n"
+         "\t\t\tProperty: \"DiffuseColor\", \"ColorRGB\", \"\",0.25,0.5,1\n\t\t}\n\t}\n" +
+         objects +
+         "\tGlobalSettings:  {\n\t\tProperties60:  {\n\t\t\tProperty: \"UnitScaleFactor\", \"double\", "
+         "\"\",100\n"
+         "\t\t}\n\t}\n}\nConnections:  {\n\tConnect: \"OO\", \"Model::body\", \"Model::Scene\"\n"
+         "\tConnect: \"OO\", \"Material::cloth\", \"Model::body\"\n" +
+         connections +
+         "}\nTakes:  {\n\tTake: \"t\" {\n\t\tKey: \n\t\t\t1924423250,0.5,L,\n\t\t\t3848846500,1,L\n\t}\n}\n";
+}
+
 }  // namespace ohb
