@@ -18,6 +18,7 @@ void add_bake_command(CLI::App& app, Commands& commands);
 void add_render_command(CLI::App& app, Commands& commands);
 void add_validate_command(CLI::App& app, Commands& commands);
 void add_chart_command(CLI::App& app, Commands& commands);
+void add_people_command(CLI::App& app, Commands& commands);
 
 void Commands::add_to(CLI::App& app) {
   add_inspect_command(app, *this);
@@ -26,6 +27,7 @@ void Commands::add_to(CLI::App& app) {
   add_render_command(app, *this);
   add_validate_command(app, *this);
   add_chart_command(app, *this);
+  add_people_command(app, *this);
 }
 
 }  // namespace ohb

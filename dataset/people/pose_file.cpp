@@ -94,20 +94,14 @@ Pose read_pose(const fs::path& file) {
   }
   if (!has_frame) lines.fail("there is no frame");
   Pose pose;
-  pose.thigh_length = length(shin);
   for (const Joint& joint : joints) {
     Affine turn;
-    Vec3f move;
     for (size_t i = 0; i < joint.channels.size(); i += 2) {
       const float value = lines.number(("value of " + joint.name).c_str());
       const char axis = joint.channels[i + 1];
-      if (joint.channels[i] == 'p')
-        move[axis - 'x'] = value;
-      else
-        turn = turn * turn_of(axis, static_cast<double>(value), z_up);
+      if (joint.channels[i] == 'r') turn = turn * turn_of(axis, static_cast<double>(value), z_up);
     }
     pose.rotations[joint.name] = turn;
-    if (joint.parent < 0) pose.root_move = z_up ? Vec3f{move.x, move.z, -move.y} : move;
   }
   return pose;
 }

@@ -41,11 +41,10 @@ Skeleton read_skeleton(const std::filesystem::path& rig, const std::filesystem::
 /// Rotations by bone, about the world's axes at the bone's head; those that are not there stand still.
 struct Pose {
   std::map<std::string, Affine> rotations;
-  Vec3f root_move{};       // in the file's unit
-  float thigh_length = 0;  // of the file's own skeleton, to scale the move by; 0: no move
 };
 
-/// The first frame of a .bvh, turned to Y up where it is Z up. Throws InputError naming the line.
+/// The first frame of a .bvh, turned to Y up where it is Z up. Moves are not read: people stand on the
+/// ground. Throws InputError naming the line.
 Pose read_pose(const std::filesystem::path& file);
 
 /// Rotation by `angle` (radians) about a unit axis.
