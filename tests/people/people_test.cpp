@@ -134,9 +134,10 @@ TEST(People, WrongAssetsAreRefusedInOneLineAndLeaveNothing) {
       tiny.write(name, text);
     fs::remove_all(folder / "out");
     const std::string message = input_error_of([&] { make_people(job_of(assets, folder / "out", 2)); });
-    if (fs::exists(folder / "out"))
+    if (fs::exists(folder / "out")) {
       for (const auto& entry : fs::directory_iterator(folder / "out"))
         EXPECT_EQ(entry.path().filename(), ".openhumanbrdf") << message;
+    }
     return message;
   };
   expect_message(input_error_of([&] { make_people(job_of(folder / "none", folder / "out", 1)); }),
