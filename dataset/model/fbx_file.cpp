@@ -1,7 +1,10 @@
 #include "dataset/model/fbx_file.h"
 
+#include <openssl/evp.h>
 #include <zlib.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 
@@ -120,8 +123,29 @@ const FbxNode* FbxNode::child(std::string_view child_name) const {
 }
 
 FbxFile::FbxFile(const std::filesystem::path& file) : file_(file), content_(read_file(file)) {
-  const bool binary = std::string_view(content_).substr(0, kBinaryMagic.size()) == kBinaryMagic;
-  tree_ = binary ? parse_binary_fbx(file_, content_) : parse_ascii_fbx(file_, content_);
+  tree_ = is_binary() ? parse_binary_fbx(file_, content_) : parse_ascii_fbx(file_, content_);
+}
+
+bool FbxFile::is_binary() const {
+  return std::string_view(content_).substr(0, kBinaryMagic.size()) == kBinaryMagic;
+}
+
+std::string FbxFile::embedded_bytes(const FbxNode& content) const {
+  if (content.values.empty()) return "";
+  if (is_binary()) return text(content, 0);
+  std::string base64;  // pieces, with quotes and commas between them in long lists
+  for (const FbxValue& value : content.values)
+    for (char c : value.bytes)
+      if (std::isalnum(static_cast<unsigned char>(c)) || c == '+' || c == '/' || c == '=') base64 += c;
+  if (base64.empty()) return "";
+  std::string bytes(base64.size() / 4 * 3 + 3, '\0');
+  const int size =
+      EVP_DecodeBlock(reinterpret_cast<unsigned char*>(bytes.data()),
+                      reinterpret_cast<const unsigned char*>(base64.data()), static_cast<int>(base64.size()));
+  if (size < 0) fail("Content", "is no base64", kExportAgain);
+  const size_t padding = base64.size() - base64.find_last_not_of('=') - 1;
+  bytes.resize(static_cast<size_t>(size) - std::min<size_t>(padding, 2));
+  return bytes;
 }
 
 void FbxFile::fail(const std::string& place, const std::string& cause, const std::string& mend) const {

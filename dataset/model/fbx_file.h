@@ -44,6 +44,10 @@ class FbxFile {
   const FbxNode& root() const { return tree_.root; }
   /// 6000 to 7900.
   int version() const { return tree_.version; }
+  bool is_binary() const;
+  /// The bytes of a picture that the file embeds (binary, or base64 in ASCII files); empty if there are none.
+  /// Throws InputError for text that is no base64.
+  std::string embedded_bytes(const FbxNode& content) const;
   const std::filesystem::path& path() const { return file_; }
 
   /// Value `index` of the node in the asked-for kind. Throw InputError if it is not there or of another kind.

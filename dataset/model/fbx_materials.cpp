@@ -132,10 +132,7 @@ ScanPicture FbxMaterials::find_picture(const FbxNode& texture, const std::string
     const FbxNode* video = scene_.object_of(link.other, "Video");
     if (!video) continue;
     const FbxNode* content = video->child("Content");
-    if (content && !content->values.empty() && content->values[0].type == 'S')
-      file.fail(place, "is embedded in an ASCII file, which is not supported", "export as binary FBX");
-    std::string bytes =
-        content && !content->values.empty() && content->values[0].type != 'T' ? file.text(*content, 0) : "";
+    std::string bytes = content ? file.embedded_bytes(*content) : "";
     if (!bytes.empty()) return embed_picture(file.path(), scene_.name_of(*video), std::move(bytes));
     add_names(*video);
   }

@@ -231,6 +231,7 @@ ScanPicture ScanFiles::picture(const fs::path& referrer, const std::string& plac
     const std::string nearest = nearest_name(scan_.file, bare, kPictureExtensions);
     add_missing(referrer, place, "picture '" + name + "' is not there",
                 "put it at " + readable_name((scan_.file.parent_path() / bare).string()) +
+                    (referrer == scan_.file ? "" : " or remove the line") +
                     (nearest.empty() ? "" : "; the nearest name there is '" + readable_name(nearest) + "'"));
     return {};
   }

@@ -26,6 +26,30 @@ std::string written(double x) {
   return text;
 }
 
+/// The distance of neighbouring single-precision numbers at the far end of the range.
+double single_step(const Range& range) {
+  const double farthest = std::max(std::abs(range.low), std::abs(range.high));
+  return farthest > 0 ? std::ldexp(1.0, std::ilogb(farthest) - 23) : 0;
+}
+
+/// Where single precision is so coarse that it shows, whether all numbers are ones that it can hold. 0: no;
+/// else the coarsest step. A program that wrote them has lost the rest; none that keeps double does so.
+double lost_step(const std::vector<Vec3d>& positions, const Range (&ranges)[3], double diagonal) {
+  constexpr double kShows = 1e-4;    // of the diagonal: 0.2 mm of a person
+  constexpr double kWritten = 0.02;  // of a step: what few decimals leave
+  double coarsest = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double step = single_step(ranges[axis]);
+    if (step < kShows * diagonal) continue;
+    for (const Vec3d& p : positions) {
+      const double steps = (axis == 0 ? p.x : axis == 1 ? p.y : p.z) / step;
+      if (std::abs(steps - std::round(steps)) > kWritten) return 0;
+    }
+    coarsest = std::max(coarsest, step);
+  }
+  return coarsest;
+}
+
 }  // namespace
 
 void store_positions(Scan& scan, const std::vector<Vec3d>& positions) {
@@ -49,6 +73,12 @@ void store_positions(Scan& scan, const std::vector<Vec3d>& positions) {
     scan.removed_offset = offset;
     scan.notes.push_back("lies far from the origin: (" + written(offset.x) + ", " + written(offset.y) + ", " +
                          written(offset.z) + ") is taken off all positions");
+    const double lost = lost_step(positions, {x, y, z}, diagonal);
+    if (lost > 0)
+      scan.notes.push_back(
+          "its coordinates lie in steps of " + written(lost) +
+          ", as single precision holds them out there: finer detail was lost before the file "
+          "was written; export it with the offset taken off in the program that has it");
   }
   scan.positions.clear();
   scan.positions.reserve(positions.size());

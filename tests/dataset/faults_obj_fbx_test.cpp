@@ -1,6 +1,9 @@
 // Kinds of OBJ and FBX files that users bring and that went wrong: each has its right value here.
+#include <openssl/evp.h>
+
 #include <cmath>
 
+#include "dataset/model/atomic_file.h"
 #include "dataset/model/colour.h"
 #include "dataset/model/scan.h"
 #include "tests/support/fbx_files.h"
@@ -73,6 +76,26 @@ TEST(FaultsObj, CoordinatesOfMapsKeepTheirDetail) {
   EXPECT_NEAR(scan.positions[2].z - scan.positions[1].z, 0.003, 1e-6);
   EXPECT_NEAR(scan.positions[2].z + scan.removed_offset->z, 5428812.903, 1e-6);
   EXPECT_TRUE(is_noted(scan, "far from the origin"));
+}
+
+TEST(FaultsObj, DamageOfSinglePrecisionInTheFileIsTold) {
+  const auto square = [](const char* format, double width) {
+    std::string text;
+    for (const auto& [right, up] : {std::pair(0.0, 0.0), {width, 0.0}, {width, 1.7}, {0.0, 1.7}}) {
+      char line[100];
+      std::snprintf(line, sizeof line, format, 487213.013 + right, 102.5 + up, 5428812.9 + 0.013 * up);
+      text += line;
+    }
+    return text + "f 1 2 3 4\n";
+  };
+  const TemporaryFolder folder;
+  EXPECT_FALSE(is_noted(scan_of_obj(folder, square("v %.3f %.3f %.3f\n", .507)), "single precision"));
+  // 487213.013 and 5428812.9 as float, written with six digits after the point.
+  EXPECT_TRUE(is_noted(scan_of_obj(folder,
+                                   "v 487213.000000 102.5 5428813.000000\nv 487213.531250 102.5 5428813.0\n"
+                                   "v 487213.531250 104.2 5428812.500000\nf 1 2 3\n"),
+                       "in steps of 0.5, as single precision"));
+  EXPECT_FALSE(is_noted(scan_of_obj(folder, kQuadObj), "single precision"));
 }
 
 TEST(FaultsObj, OpacityOfMtl) {
@@ -321,6 +344,31 @@ TEST(FaultsFbx, BinaryVersion6IsTheSameAsVersion7) {
   EXPECT_EQ(scan.corners[3].position, 3u);
   EXPECT_EQ(scan.uvs[scan.corners[2].uv].y, 1);
   EXPECT_EQ(scan.groups[0], "body");
+}
+
+TEST(FaultsFbx, PicturesInAsciiFilesAreBase64) {
+  const TemporaryFolder folder;
+  write_small_png(folder / "source.png", 3, 64);
+  const std::string png = read_file(folder / "source.png");
+  std::string base64(png.size() * 2, '\0'), content;
+  base64.resize(static_cast<size_t>(EVP_EncodeBlock(reinterpret_cast<unsigned char*>(base64.data()),
+                                                    reinterpret_cast<const unsigned char*>(png.data()),
+                                                    static_cast<int>(png.size()))));
+  for (const size_t piece : {base64.size(), size_t{40}}) {  // in one piece and in very many
+    content = "Content: ,\n";
+    for (size_t at = 0; at < base64.size(); at += piece)
+      content += (at ? ",\n\"" : "\"") + base64.substr(at, piece) + "\"";
+    const std::string objects =
+        "Texture: 40, \"Texture::t\", \"\" {\n}\nVideo: 50, \"Video::v\", \"Clip\" {\n" + content +
+        "\n}\n} ;end";
+    const Scan scan =
+        scan_of_fbx(folder, replaced(ascii_quad_fbx(), {{"} ;end", objects},
+                                                        {"C: \"OO\",30,20",
+                                                         "C: \"OO\",30,20\nC: \"OP\",40,30, "
+                                                         "\"DiffuseColor\"\nC: \"OO\",50,40"}}));
+    ASSERT_TRUE(scan.materials[0].diffuse.embedded) << piece;
+    EXPECT_EQ(*scan.materials[0].diffuse.embedded, png) << piece;
+  }
 }
 
 TEST(FaultsFbx, OtherVersionsAreNamed) {
