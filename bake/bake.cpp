@@ -25,8 +25,10 @@ CanonicalMesh mesh_of(const Scan& scan, const Regions& regions, const BakeOption
   report.unit_cm = mesh.model.source_unit_cm;
   report.unit_reason = options.unit_reason;
   const Bounds bounds = bounds_of(mesh.model.positions_cm);
+  const Vec3d offset = scan.removed_offset.value_or(Vec3d{});
+  const double removed[3] = {offset.x, offset.y, offset.z};
   for (int i = 0; i < 3; ++i) {
-    report.shift_cm[i] = mesh.model.source_shift_cm[i];
+    report.shift_cm[i] = mesh.model.source_shift_cm[i] - options.unit_cm * removed[i];
     report.size_cm[i] = bounds.high[i] - bounds.low[i];
   }
   report.triangles = mesh.model.triangles.size();
@@ -61,6 +63,18 @@ void check_place(const BakeSource& source, const Bounds& low, const Bounds& high
   if (apart > reach_cm) refuse("lies " + std::to_string(apart) + " cm away from the scan");
 }
 
+/// What was taken off the positions of a far-away scan, in cm.
+Vec3d removed_cm(const Scan& scan, double unit_cm) {
+  const Vec3d offset = scan.removed_offset.value_or(Vec3d{});
+  return {unit_cm * offset.x, unit_cm * offset.y, unit_cm * offset.z};
+}
+
+/// What a second scan's positions lack to lie where the first's do.
+Vec3f between_cm(const Vec3d& of, const Vec3d& first) {
+  return {static_cast<float>(of.x - first.x), static_cast<float>(of.y - first.y),
+          static_cast<float>(of.z - first.z)};
+}
+
 /// The cage's points less the scan's, in cm, one a position of the mesh.
 std::vector<Vec3f> cage_offsets(const CanonicalMesh& mesh, const Scan& scan, const Scan& cage) {
   bool is_same = cage.face_begin == scan.face_begin && cage.positions.size() == scan.positions.size();
@@ -72,10 +86,12 @@ std::vector<Vec3f> cage_offsets(const CanonicalMesh& mesh, const Scan& scan, con
   std::vector<Vec3f> offsets(mesh.model.positions_cm.size());
   const std::vector<ScanTriangle>& triangles = mesh.triangles;
   const float unit = static_cast<float>(mesh.model.source_unit_cm);
+  const Vec3f between =
+      between_cm(removed_cm(cage, mesh.model.source_unit_cm), removed_cm(scan, mesh.model.source_unit_cm));
   for (size_t t = 0; t < triangles.size(); ++t)
     for (int c = 0; c < 3; ++c) {
       const uint32_t p = scan.corners[triangles[t].corner[c]].position;
-      offsets[mesh.model.triangles[t].position[c]] = unit * (cage.positions[p] - scan.positions[p]);
+      offsets[mesh.model.triangles[t].position[c]] = unit * (cage.positions[p] - scan.positions[p]) + between;
     }
   return offsets;
 }
@@ -85,8 +101,9 @@ std::unique_ptr<SourceBake> source_of(const CanonicalMesh& mesh, const MeshFrame
                                       const BakeOptions& options, BakeReport& report) {
   const BakeSource& from = options.source;
   if (!from.scan) return nullptr;
-  const auto surface =
-      std::make_shared<const SourceSurface>(*from.scan, from.unit_cm, mesh.model.source_shift_cm, from.green);
+  const Vec3f shift_cm = mesh.model.source_shift_cm + between_cm(removed_cm(*from.scan, from.unit_cm),
+                                                                 removed_cm(scan, mesh.model.source_unit_cm));
+  const auto surface = std::make_shared<const SourceSurface>(*from.scan, from.unit_cm, shift_cm, from.green);
   const Bounds bounds = bounds_of(mesh.model.positions_cm);
   const double reach_cm = from.reach_cm > 0 ? from.reach_cm : kReachShare * diagonal_cm(bounds);
   check_place(from, bounds, surface->bounds(), reach_cm);

@@ -106,6 +106,9 @@ SourceSurface::SourceSurface(const Scan& scan, double unit_cm, Vec3f shift_cm,
   for (const ModelTriangle& triangle : mesh.triangles)
     indices_.insert(indices_.end(), std::begin(triangle.position), std::end(triangle.position));
   std::vector<Vec3f> normals;
+  if (!scan.corner_colours.empty())
+    for (const ScanTriangle& triangle : triangulate(scan))
+      for (uint32_t corner : triangle.corner) colours_.push_back(scan.corner_colours[corner]);
   run_side_by_side({[&] { read_materials(scan, mesh, green); },
                     [&] {
                       normals = smooth_normals(mesh);
@@ -148,10 +151,10 @@ void SourceSurface::read_materials(const Scan& scan, const Model& mesh,
   materials_.resize(scan.materials.size());
   for (uint16_t m = 0; m < materials_.size(); ++m) {
     const ScanMaterial& from = scan.materials[m];
-    materials_[m].diffuse_factor = from.diffuse_factor;
+    materials_[m].from = from;
     if (!from.diffuse.empty()) materials_[m].albedo = texture(m, read_colour_picture(from.diffuse));
     if (!from.alpha.empty()) materials_[m].alpha = texture(m, read_alpha_picture(from.alpha));
-    has_alpha_ = has_alpha_ || !from.alpha.empty();
+    has_alpha_ = has_alpha_ || !from.is_opaque();
     if (from.normal.empty()) continue;
     uint64_t zero_length = 0;
     const bool is_down = !green.empty() && green[m] == GreenChannel::kDown;
@@ -223,7 +226,7 @@ SourceSample SourceSurface::sample(uint32_t index, float u, float v, Vec3f acros
   const SourceMaterial& material = materials_[triangle.material];
   const float w = 1 - u - v;
   Vec3f normal = w * triangle.normal[0] + u * triangle.normal[1] + v * triangle.normal[2];
-  SourceSample sample{material.diffuse_factor, normal, 1};
+  SourceSample sample{material.from.diffuse_factor, normal, 1};
   const bool has_normal_map = !material.normal.empty();
   if (!material.albedo.empty() || !material.alpha.empty() || has_normal_map) {
     const uint32_t* const i = &indices_[3 * size_t{index}];
@@ -257,6 +260,12 @@ SourceSample SourceSurface::sample(uint32_t index, float u, float v, Vec3f acros
       if (dot(mapped, mapped) > 0) normal = mapped;
     }
   }
+  if (!colours_.empty()) {
+    const VertexColour* const c = &colours_[3 * size_t{index}];
+    sample.albedo = sample.albedo * (w * c[0].rgb + u * c[1].rgb + v * c[2].rgb);
+    sample.alpha *= w * c[0].alpha + u * c[1].alpha + v * c[2].alpha;
+  }
+  sample.alpha = material.from.opacity_of(sample.alpha);
   const float squared = dot(normal, normal);
   sample.normal = squared > 0 ? normal / std::sqrt(squared) : normalised(area_normal(index));
   return sample;

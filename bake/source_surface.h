@@ -23,7 +23,7 @@ struct alignas(64) SourceTriangle {
 };
 
 struct SourceMaterial {
-  Vec3f diffuse_factor{1, 1, 1};
+  ScanMaterial from;                 // its factor and opacity
   MipTexture albedo, alpha, normal;  // empty: the factor alone, opaque, smooth normals
 };
 
@@ -77,6 +77,7 @@ class SourceSurface {
   std::vector<uint32_t> indices_;  // 3 a triangle
   std::vector<SourceTriangle> triangles_;
   std::vector<CornerTangent> tangents_;  // 3 a triangle; empty without normal maps
+  std::vector<VertexColour> colours_;    // 3 a triangle; empty without colours at vertices
   std::vector<SourceMaterial> materials_;
   Bounds bounds_;
   bool has_alpha_ = false;

@@ -13,50 +13,26 @@
 #include "bake/picture.h"
 #include "bake/seam_agree.h"
 #include "bake/set_report.h"
+#include "bake/set_size.h"
 #include "bake/uv_charts.h"
+#include "bake/vertex_colours.h"
 
 namespace ohb {
 namespace {
 
-SetTriangles triangles_of(const Model& model, uint16_t set) {
+SetTriangles triangles_of(const CanonicalMesh& mesh, uint16_t set) {
+  const Model& model = mesh.model;
   SetTriangles triangles;
   for (size_t t = 0; t < model.triangles.size(); ++t) {
     const ModelTriangle& triangle = model.triangles[t];
     if (triangle.set != set) continue;
     triangles.index.push_back(static_cast<uint32_t>(t));
+    const uint32_t* const corner = mesh.triangles[t].corner;
+    triangles.corners.push_back({corner[0], corner[1], corner[2]});
     triangles.uvs.push_back(
         {{model.uvs[triangle.uv[0]], model.uvs[triangle.uv[1]], model.uvs[triangle.uv[2]]}});
   }
   return triangles;
-}
-
-struct Size {
-  int width_px, height_px;
-};
-
-Size size_of_set(const ScanPicture& diffuse, int wanted_px, const SourceBake* source) {
-  int width = kSizeWithoutPicture_px, height = kSizeWithoutPicture_px;
-  if (!diffuse.empty()) {
-    const ImageFileInfo info = probe_image(diffuse);
-    width = info.width_px;
-    height = info.height_px;
-  } else if (source && source->surface->picture_edge_px() > 0) {
-    width = height = source->surface->picture_edge_px();
-  }
-  const int longer = std::max(width, height);
-  const int target = wanted_px > 0 ? wanted_px : std::min(longer, kMaxMapSize_px);
-  const auto scaled = [&](int edge) {
-    return std::max(1, static_cast<int>(std::lround(static_cast<double>(edge) * target / longer)));
-  };
-  return {scaled(width), scaled(height)};
-}
-
-/// As SetReport::mask_size.
-std::string mask_size_of(const ScanMaterial& material) {
-  if (material.diffuse.empty() || material.alpha.empty()) return "";
-  const ImageFileInfo colour = probe_image(material.diffuse), mask = probe_image(material.alpha);
-  if (colour.width_px == mask.width_px && colour.height_px == mask.height_px) return "";
-  return fmt::format("{} x {} of {} x {}", mask.width_px, mask.height_px, colour.width_px, colour.height_px);
 }
 
 std::vector<uint8_t> covered_texels(const TexelCoverage& coverage) {
@@ -70,7 +46,7 @@ constexpr float kClearWeight = 1e-8f;
 
 /// Which pixels of a picture count where the map has fewer texels: those that faces show, as far as they
 /// are opaque. A picture's background then never mixes into its charts.
-ResampleWeights weights_for(const Image& picture, Size size, const SetTriangles& triangles,
+ResampleWeights weights_for(const Image& picture, MapSize size, const SetTriangles& triangles,
                             const Image* alpha) {
   ResampleWeights weights;
   if (picture.width_px <= size.width_px && picture.height_px <= size.height_px) return weights;
@@ -85,7 +61,7 @@ ResampleWeights weights_for(const Image& picture, Size size, const SetTriangles&
   return weights;
 }
 
-Image constant_image(Size size, Vec3f value) {
+Image constant_image(MapSize size, Vec3f value) {
   Image image(size.width_px, size.height_px, 3);
   for (size_t i = 0; i < image.values.size(); ++i) image.values[i] = value[static_cast<int>(i % 3)];
   return image;
@@ -108,20 +84,22 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
                  const BakeOptions& options, const MeshFrames& frames, const SourceBake* source,
                  SetReport& report)
     : mesh_(mesh),
+      scan_(scan),
       table_(table),
       material_(scan.materials[mesh.material_of_set[set]]),
       green_(options.green.empty() ? GreenChannel::kUp : options.green[mesh.material_of_set[set]]),
       class_weights_(options.class_weights.empty() ? std::filesystem::path()
                                                    : options.class_weights[mesh.material_of_set[set]]),
       report_(report),
-      triangles_(triangles_of(mesh.model, set)),
+      triangles_(triangles_of(mesh, set)),
       ships_levels_(options.wants_mips),
       from_source_(source != nullptr) {
   report.name = material_.name;
   report.diffuse = material_.diffuse.file.filename().string();
   report.alpha = material_.alpha.file.filename().string();
   report.mask_size = mask_size_of(material_);
-  const Size size = size_of_set(material_.diffuse, options.size_px, source);
+  const MapSize size = size_of_set(material_, triangles_.index.size(), options.size_px,
+                                   source ? source->surface->picture_edge_px() : 0);
   coverage_ = cover_texels(triangles_.uvs, size.width_px, size.height_px);
   report_geometry(mesh.model, triangles_, coverage_, report);
   has_class_ = covered_texels(coverage_);
@@ -188,26 +166,43 @@ void SetBake::report_source() {
 
 Image SetBake::albedo() {
   if (from_source_) return std::move(source_.albedo);
-  const Size size{width_px(), height_px()};
-  if (material_.diffuse.empty()) return constant_image(size, material_.diffuse_factor);
-  Image diffuse = read_colour_picture(material_.diffuse);
-  Image alpha;
-  if (!material_.alpha.empty()) alpha = read_alpha_picture(material_.alpha);
-  const ResampleWeights weights = weights_for(diffuse, size, triangles_, &alpha);
-  Image albedo = resample(std::move(diffuse), size.width_px, size.height_px, weights);
+  const MapSize size{width_px(), height_px()};
   const Vec3f factor = material_.diffuse_factor;
-  if (factor.x != 1 || factor.y != 1 || factor.z != 1)
-    for (size_t i = 0; i < albedo.values.size(); ++i) albedo.values[i] *= factor[static_cast<int>(i % 3)];
+  Image albedo;
+  if (material_.diffuse.empty()) {
+    albedo = constant_image(size, factor);
+  } else {
+    Image diffuse = read_colour_picture(material_.diffuse);
+    Image alpha;
+    if (!material_.alpha.empty()) alpha = read_alpha_picture(material_.alpha);
+    if (material_.alpha_cutoff)
+      for (float& value : alpha.values) value = material_.opacity_of(value);
+    const ResampleWeights weights = weights_for(diffuse, size, triangles_, &alpha);
+    albedo = resample(std::move(diffuse), size.width_px, size.height_px, weights);
+    if (factor.x != 1 || factor.y != 1 || factor.z != 1)
+      for (size_t i = 0; i < albedo.values.size(); ++i) albedo.values[i] *= factor[static_cast<int>(i % 3)];
+  }
+  if (material_.has_vertex_colours)
+    multiply_vertex_colours(scan_, triangles_.corners, triangles_.uvs, coverage_, albedo);
   return albedo;
 }
 
 Image SetBake::alpha() {
   if (from_source_) return std::move(source_.alpha);
-  if (material_.alpha.empty()) return {};
-  const Size size{width_px(), height_px()};
-  Image alpha = read_alpha_picture(material_.alpha);
-  const ResampleWeights weights = weights_for(alpha, size, triangles_, nullptr);
-  return resample(std::move(alpha), size.width_px, size.height_px, weights);
+  if (material_.is_opaque()) return {};
+  const MapSize size{width_px(), height_px()};
+  Image alpha(size.width_px, size.height_px, 1);
+  if (material_.alpha.empty()) {
+    std::fill(alpha.values.begin(), alpha.values.end(), 1.0f);
+  } else {
+    Image picture = read_alpha_picture(material_.alpha);
+    const ResampleWeights weights = weights_for(picture, size, triangles_, nullptr);
+    alpha = resample(std::move(picture), size.width_px, size.height_px, weights);
+  }
+  if (material_.has_vertex_alpha)
+    multiply_vertex_colours(scan_, triangles_.corners, triangles_.uvs, coverage_, alpha);
+  for (float& value : alpha.values) value = material_.opacity_of(value);
+  return alpha;
 }
 
 Image SetBake::normal() {
@@ -217,7 +212,7 @@ Image SetBake::normal() {
   report_.normal_green = green_ == GreenChannel::kUp     ? "up"
                          : green_ == GreenChannel::kDown ? "down"
                                                          : "unclear";
-  const Size size{width_px(), height_px()};
+  const MapSize size{width_px(), height_px()};
   Image normal =
       read_normal_picture(material_.normal, green_ == GreenChannel::kDown, report_.zero_length_normals);
   const ResampleWeights weights = weights_for(normal, size, triangles_, nullptr);

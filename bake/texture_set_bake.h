@@ -20,6 +20,7 @@ namespace ohb {
 struct SetTriangles {
   std::vector<uint32_t> index;  // into Model::triangles
   std::vector<UvTriangle> uvs;
+  std::vector<std::array<uint32_t, 3>> corners;  // into Scan::corners
 };
 
 class SetBake {
@@ -67,6 +68,7 @@ class SetBake {
   void report_source();
 
   const CanonicalMesh& mesh_;
+  const Scan& scan_;
   const MaterialTable& table_;
   const ScanMaterial& material_;
   GreenChannel green_;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bake/picture.h"
+#include "bake/vertex_colours.h"
 #include "dataset/model/lab_colour.h"
 
 namespace ohb {
@@ -91,6 +92,10 @@ std::vector<ColourSum> sum_over_pictures(const Scan& scan, const Convert& conver
     const MaterialTriangles of = material_triangles(scan, triangles, m);
     if (of.face.empty()) continue;
     Image picture = read_colour_picture(scan.materials[m].diffuse);
+    if (scan.materials[m].has_vertex_colours)
+      multiply_vertex_colours(
+          scan, of.corners, of.uvs,
+          cover_texels(of.uvs, picture.width_px, picture.height_px, CoveragePasses::kCentres), picture);
     convert(picture);
     add_texels(of, picture, sums);
   }
@@ -127,7 +132,7 @@ std::vector<Vec3f> mean_face_colours(const Scan& scan) {
   std::vector<Vec3f> colours(scan.face_count());
   for (size_t f = 0; f < colours.size(); ++f) {
     const Vec3f factor = scan.materials[scan.face_material[f]].diffuse_factor;
-    colours[f] = sums[f].count > 0 ? factor * sums[f].mean() : factor;
+    colours[f] = factor * (sums[f].count > 0 ? sums[f].mean() : mean_vertex_colour(scan, f));
   }
   return colours;
 }
@@ -136,10 +141,11 @@ std::vector<FaceColour> lab_face_colours(const Scan& scan) {
   const std::vector<ColourSum> sums = sum_over_pictures(scan, to_lab);
   std::vector<FaceColour> colours(scan.face_count());
   for (size_t f = 0; f < colours.size(); ++f) {
+    const ScanMaterial& material = scan.materials[scan.face_material[f]];
     if (sums[f].count > 0)
       colours[f] = {sums[f].mean(), sums[f].spread()};
     else
-      colours[f].lab = linear_to_lab(scan.materials[scan.face_material[f]].diffuse_factor);
+      colours[f].lab = linear_to_lab(material.diffuse_factor * mean_vertex_colour(scan, f));
   }
   return colours;
 }

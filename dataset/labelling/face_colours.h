@@ -21,8 +21,9 @@ MaterialTriangles material_triangles(const Scan& scan, const std::vector<ScanTri
                                      size_t material);
 
 /// Mean diffuse colour of each face, linear Rec. 709: the average of the texels of its picture whose centre
-/// it holds (the one at its middle if it holds none), times the diffuse factor; the factor alone without a
-/// picture or without UVs. Throws InputError for a picture that cannot be read.
+/// it holds (the one at its middle if it holds none), times the diffuse factor and the colours at its
+/// vertices; those alone without a picture or without UVs. Throws InputError for a picture that cannot be
+/// read.
 std::vector<Vec3f> mean_face_colours(const Scan& scan);
 
 /// Mean and standard deviation of the same texels in CIE L*a*b* (without the factor, unless it is all there

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bake/picture.h"
+#include "bake/vertex_colours.h"
 #include "dataset/model/lab_colour.h"
 
 namespace ohb {
@@ -66,6 +67,10 @@ void TexelSurface::add_sheet(const std::vector<ScanTriangle>& triangles, size_t 
       std::none_of(sheet.triangles.face.begin(), sheet.triangles.face.end(), is_wanted))
     return;
   sheet.lab = read_colour_picture(scan_.materials[material].diffuse);
+  if (scan_.materials[material].has_vertex_colours)
+    multiply_vertex_colours(scan_, sheet.triangles.corners, sheet.triangles.uvs,
+                            cover_texels(sheet.triangles.uvs, sheet.lab.width_px, sheet.lab.height_px),
+                            sheet.lab);
   measure(sheet, sheet.lab.width_px, sheet.lab.height_px);
   std::vector<float> edges;
   for (size_t t = 0; t < sheet.steps.size(); ++t)

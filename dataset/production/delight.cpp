@@ -35,7 +35,7 @@ struct SetPicture {
 SetPicture read_set(const CanonicalMesh& mesh, const Scan& scan, uint16_t set) {
   SetPicture picture;
   const ScanMaterial& material = scan.materials[mesh.material_of_set[set]];
-  if (material.diffuse.empty() || !material.alpha.empty()) return picture;
+  if (material.diffuse.empty() || !material.is_opaque()) return picture;
   const Model& model = mesh.model;
   for (uint32_t t = 0; t < model.triangles.size(); ++t) {
     if (model.triangles[t].set != set) continue;
@@ -105,6 +105,20 @@ void add_corners(const Model& model, const SetPicture& picture, Vec3f factor, Po
     }
 }
 
+/// Times the mean of the colours that the scan has at each position's corners.
+void multiply_at_positions(const CanonicalMesh& mesh, const Scan& scan, std::vector<Vec3f>& colours) {
+  std::vector<Vec3f> sum(colours.size());
+  std::vector<float> count(colours.size());
+  for (size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const uint32_t position = mesh.model.triangles[t].position[k];
+      sum[position] += scan.corner_colours[mesh.triangles[t].corner[k]].rgb;
+      ++count[position];
+    }
+  for (size_t p = 0; p < colours.size(); ++p)
+    if (count[p] > 0) colours[p] = colours[p] * sum[p] * (1 / count[p]);
+}
+
 /// The mean colour around each position; the factor where there is no picture.
 std::vector<Vec3f> colours_at_positions(const CanonicalMesh& mesh, const Scan& scan,
                                         const std::vector<SetPicture>& pictures) {
@@ -124,6 +138,7 @@ std::vector<Vec3f> colours_at_positions(const CanonicalMesh& mesh, const Scan& s
   }
   for (size_t p = 0; p < colours.sum.size(); ++p)
     if (colours.weight[p] > 0) colours.sum[p] = colours.sum[p] * (1 / colours.weight[p]);
+  if (!scan.corner_colours.empty()) multiply_at_positions(mesh, scan, colours.sum);
   return std::move(colours.sum);
 }
 
@@ -279,7 +294,7 @@ DelightReport delight(Scan& scan, const Regions& regions, double unit_cm, const 
   }
   std::vector<uint8_t> is_solid(model.triangles.size());
   for (size_t t = 0; t < is_solid.size(); ++t)
-    is_solid[t] = scan.materials[mesh.material_of_set[model.triangles[t].set]].alpha.empty();
+    is_solid[t] = scan.materials[mesh.material_of_set[model.triangles[t].set]].is_opaque();
   const std::vector<Vec3f> colour = colours_at_positions(mesh, scan, pictures);
   const std::vector<Vec3f> irradiance = ambient_irradiance(model, is_solid, colour, kDelightRays);
   for (SetPicture& picture : pictures) {

@@ -87,13 +87,16 @@ void count_components(const MeshTopology& topology, const std::vector<double>& f
   for (double a : area) report.small_components += a < kSmallComponent * total;
 }
 
-/// Share of the texels under the material's faces whose alpha is below 1.
-double transparent_share(const Image& image, const UvRaster& raster) {
+/// Share of the texels under the material's faces whose opacity is below 1; of the picture alone where the
+/// material does not use its alpha.
+double transparent_share(const Image& image, const UvRaster& raster, const ScanMaterial& material) {
   size_t transparent = 0;
   if (raster.face.empty() || raster.covered == 0) return 0;
   for (size_t i = 0; i < raster.face.size(); ++i)
-    if (raster.face[i] != kNoFace)
-      transparent += image.values[(i + 1) * static_cast<size_t>(image.channels) - 1] < kOpaque;
+    if (raster.face[i] != kNoFace) {
+      const float alpha = image.values[(i + 1) * static_cast<size_t>(image.channels) - 1];
+      transparent += (material.alpha.empty() ? alpha : material.opacity_of(alpha)) < kOpaque;
+    }
   return static_cast<double>(transparent) / static_cast<double>(raster.covered);
 }
 
@@ -107,6 +110,9 @@ class MaterialInspector {
     const ScanMaterial& from = scan_.materials[material];
     MaterialReport report;
     report.name = from.name;
+    report.opacity = from.opacity;
+    report.alpha_cutoff = from.alpha_cutoff;
+    report.has_vertex_colours = from.has_vertex_colours;
     report.uv = measure_uv_layout(scan_, triangles_, topology_, material);
     for (const auto& [use, picture] : {std::pair<const char*, const ScanPicture&>("diffuse", from.diffuse),
                                        {"alpha", from.alpha},
@@ -135,7 +141,7 @@ class MaterialInspector {
         if (raster.face[i] != kNoFace) region[i] = chart_of_face_[raster.face[i]];
       report.convention = detect_normal_convention(image, region);
     } else {
-      report.transparent_share = transparent_share(image, raster);
+      report.transparent_share = transparent_share(image, raster, scan_.materials[material]);
     }
     return report;
   }

@@ -26,6 +26,9 @@ struct MaterialReport {
   std::string name;
   UvLayout uv;
   std::vector<PictureReport> pictures;
+  float opacity = 1;                  // multiplies the cut-out, or is all there is
+  std::optional<float> alpha_cutoff;  // opaque from here on, else clear
+  bool has_vertex_colours = false;
 };
 
 /// Something that the user should know, in plain words, and what to do about it.

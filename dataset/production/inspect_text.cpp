@@ -85,6 +85,9 @@ ordered_json material_json(const MaterialReport& m) {
                        {"flipped_uv_share", m.uv.flipped_share}};
   json["uv_coverage"] = m.uv.is_measured ? ordered_json(m.uv.coverage) : ordered_json();
   json["uv_overlap_share"] = m.uv.is_measured ? ordered_json(m.uv.overlap_share) : ordered_json();
+  json["opacity"] = m.opacity;
+  json["alpha_cutoff"] = m.alpha_cutoff ? ordered_json(*m.alpha_cutoff) : ordered_json();
+  json["has_vertex_colours"] = m.has_vertex_colours;
   json["pictures"] = ordered_json::array();
   for (const PictureReport& p : m.pictures) json["pictures"].push_back(picture_json(p));
   return json;
@@ -119,6 +122,9 @@ std::string inspect_text(const InspectReport& r) {
                         100 * m.uv.coverage, 100 * m.uv.overlap_share, 100 * m.uv.flipped_share);
     text += "\n";
     for (const PictureReport& p : m.pictures) text += picture_line(p);
+    if (m.opacity < 1) text += formatted("  opacity  %.3g\n", m.opacity);
+    if (m.alpha_cutoff) text += formatted("  opacity  1 from %.3g on, else 0\n", *m.alpha_cutoff);
+    if (m.has_vertex_colours) text += "  colours  at the vertices\n";
   }
   for (const std::string& note : r.notes) text += "note: " + note + "\n";
   for (const Warning& w : r.warnings)

@@ -88,7 +88,8 @@ void warn_about_pictures(const MaterialReport& m, bool are_some_missing, Warning
     has_diffuse |= p.use == "diffuse";
     has_alpha |= p.use == "alpha";
   }
-  warnings.add(!has_diffuse && m.uv.face_count > 0 && !are_some_missing, who + "no diffuse picture",
+  warnings.add(!has_diffuse && !m.has_vertex_colours && m.uv.face_count > 0 && !are_some_missing,
+               who + "no diffuse picture",
                "add map_Kd to the .mtl (or a base colour texture), or its albedo is one colour");
   warnings.add(m.uv.face_count == 0, who + "no face uses it", "remove it from the file");
   for (const PictureReport& p : m.pictures) {

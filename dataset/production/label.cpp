@@ -43,8 +43,9 @@ size_t undecided_faces(const std::vector<uint8_t>& face_class) {
 
 /// Whether colour can tell anything at all.
 bool has_picture(const Scan& scan) {
-  return std::any_of(scan.materials.begin(), scan.materials.end(),
-                     [](const ScanMaterial& material) { return !material.diffuse.empty(); });
+  return std::any_of(scan.materials.begin(), scan.materials.end(), [](const ScanMaterial& material) {
+    return !material.diffuse.empty() || material.has_vertex_colours;
+  });
 }
 
 /// Takes the inferred class of each face that has none.

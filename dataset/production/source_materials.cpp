@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "bake/vertex_colours.h"
 #include "dataset/model/colour.h"
 #include "dataset/model/error.h"
 
@@ -64,8 +65,14 @@ Image diffuse_of(const ScanMaterial& material) {
   });
 }
 
+/// Without what the material multiplies it by.
 Image alpha_of(const ScanMaterial& material) {
-  if (material.alpha.empty()) return {};
+  if (material.is_opaque()) return {};
+  if (material.alpha.empty()) {
+    Image image(1, 1, 1);
+    image.values[0] = 1;
+    return image;
+  }
   ImageFileInfo info;
   const Image stored = read_image(material.alpha, &info);
   return converted(stored, 1, [&](const float* pixel, int channels, int) {
@@ -104,7 +111,28 @@ struct Pictures {
   Image shares;
 };
 
-Pictures pictures_of(const BakeInputs& inputs, uint16_t material) {
+/// The colours at the vertices of a set's faces, and what the material makes of its alpha.
+void multiply_by_vertices(const BakeInputs& inputs, const CanonicalMesh& mesh, uint16_t material,
+                          TextureSet& set) {
+  const ScanMaterial& of = inputs.scan.materials[material];
+  if (of.has_vertex_colours || of.has_vertex_alpha) {
+    std::vector<std::array<uint32_t, 3>> corners;
+    std::vector<UvTriangle> uvs;
+    for (const ScanTriangle& triangle : mesh.triangles) {
+      if (inputs.scan.face_material[triangle.face] != material) continue;
+      corners.push_back({triangle.corner[0], triangle.corner[1], triangle.corner[2]});
+      uvs.emplace_back();
+      for (size_t k = 0; k < 3; ++k)
+        uvs.back().uv[k] = inputs.scan.uvs[inputs.scan.corners[triangle.corner[k]].uv];
+    }
+    const TexelCoverage coverage = cover_texels(uvs, set.albedo.width_px, set.albedo.height_px);
+    multiply_vertex_colours(inputs.scan, corners, uvs, coverage, set.albedo);
+    if (of.has_vertex_alpha) multiply_vertex_colours(inputs.scan, corners, uvs, coverage, set.alpha);
+  }
+  for (float& value : set.alpha.values) value = of.opacity_of(value);
+}
+
+Pictures pictures_of(const BakeInputs& inputs, const CanonicalMesh& mesh, uint16_t material) {
   const ScanMaterial& of = inputs.scan.materials[material];
   const BakeOptions& options = inputs.options;
   Pictures pictures;
@@ -115,6 +143,7 @@ Pictures pictures_of(const BakeInputs& inputs, uint16_t material) {
   set.normal = normal_of(of, options.green.empty() ? GreenChannel::kUp : options.green[material]);
   if (!options.class_weights.empty()) pictures.shares = shares_of(options.class_weights[material]);
   int width = 1, height = 1;
+  if (of.has_vertex_colours || of.has_vertex_alpha) width = height = kSizeWithoutPicture_px;
   Image* const images[] = {&set.albedo, &set.alpha, &set.normal, &pictures.shares};
   for (const Image* image : images) {
     width = std::max(width, image->width_px);
@@ -122,6 +151,7 @@ Pictures pictures_of(const BakeInputs& inputs, uint16_t material) {
   }
   for (Image* image : images)
     if (!image->values.empty()) *image = looked_up(*image, width, height);
+  multiply_by_vertices(inputs, mesh, material, set);
   set.displacement = Image(width, height, 1);  // no renderer reads it
   set.valid = Image(width, height, 1);
   std::fill(set.valid.values.begin(), set.valid.values.end(), 1.0f);
@@ -160,8 +190,8 @@ void mix_class_values(TextureSet& set, const Image& shares, const MaterialTable&
 }  // namespace
 
 Model source_material_model(const BakeInputs& inputs) {
-  CanonicalMesh mesh = canonical_mesh(inputs.scan, inputs.regions, inputs.options.unit_cm);
-  Model model = std::move(mesh.model);
+  const CanonicalMesh mesh = canonical_mesh(inputs.scan, inputs.regions, inputs.options.unit_cm);
+  Model model = mesh.model;
   model.name = inputs.options.name;
   std::vector<std::array<int, kClassCount>> set_of(
       model.sets.size());  // of each material and class; -1: none
@@ -169,7 +199,7 @@ Model source_material_model(const BakeInputs& inputs) {
   for (const ModelTriangle& triangle : model.triangles) set_of[triangle.set][triangle.material_class] = 0;
   model.sets.clear();
   for (size_t m = 0; m < set_of.size(); ++m) {
-    const Pictures pictures = pictures_of(inputs, mesh.material_of_set[m]);
+    const Pictures pictures = pictures_of(inputs, mesh, mesh.material_of_set[m]);
     for (size_t c = 0; c < kClassCount; ++c) {
       if (set_of[m][c] < 0) continue;
       set_of[m][c] = static_cast<int>(model.sets.size());
