@@ -19,6 +19,8 @@ find_package(spdlog REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 find_package(ZLIB REQUIRED)
+find_package(meshoptimizer REQUIRED)
+find_package(draco REQUIRED)
 find_package(Eigen3 3.3 REQUIRED NO_MODULE)
 # OpenCV's package configuration wants all its modules' development files; its max-flow is one header of them.
 find_path(OHB_OPENCV_INCLUDES opencv2/imgproc/detail/gcgraph.hpp PATH_SUFFIXES opencv4 REQUIRED)

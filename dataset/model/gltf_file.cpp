@@ -11,8 +11,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kExportAgain = "export the scan again";
-constexpr const char* kTruncated = "the file is truncated: copy or export it again";
+constexpr const char* kExportAgain = kGltfExportAgain;
+constexpr const char* kTruncated = kGltfTruncated;
 
 uint32_t little_endian(const char* bytes) {
   unsigned char b[4];
@@ -20,56 +20,21 @@ uint32_t little_endian(const char* bytes) {
   return b[0] | b[1] << 8 | b[2] << 16 | static_cast<uint32_t>(b[3]) << 24;
 }
 
-std::string place_of(const char* kind, size_t index) {
-  return std::string(kind) + "[" + std::to_string(index) + "]";
+/// Extensions that change nothing a scan is read for, or that are read. All of materials are of the second
+/// kind or noted.
+bool is_read(const std::string& extension) {
+  for (const char* known :
+       {"KHR_mesh_quantization", "KHR_texture_transform", "EXT_meshopt_compression", "EXT_texture_webp",
+        "KHR_draco_mesh_compression", "KHR_lights_punctual", "KHR_xmp_json_ld", "KHR_animation_pointer"})
+    if (extension == known) return true;
+  return extension.compare(0, 14, "KHR_materials_") == 0;
 }
 
-size_t size_of_component(int type) {
-  switch (type) {
-    case 5120:
-    case 5121:
-      return 1;
-    case 5122:
-    case 5123:
-      return 2;
-    case 5125:
-    case 5126:
-      return 4;
-    default:
-      return 0;
-  }
-}
-
-template <typename T>
-T load(const char* bytes) {
-  T value;
-  std::memcpy(&value, bytes, sizeof value);
-  return value;
-}
-
-float load_float(const char* bytes, int type, bool normalised) {
-  switch (type) {
-    case 5120:
-      return normalised ? std::max(load<int8_t>(bytes) / 127.0f, -1.0f) : load<int8_t>(bytes);
-    case 5121:
-      return normalised ? load<uint8_t>(bytes) / 255.0f : load<uint8_t>(bytes);
-    case 5122:
-      return normalised ? std::max(load<int16_t>(bytes) / 32767.0f, -1.0f) : load<int16_t>(bytes);
-    case 5123:
-      return normalised ? load<uint16_t>(bytes) / 65535.0f : load<uint16_t>(bytes);
-    case 5125:
-      return static_cast<float>(load<uint32_t>(bytes));
-    default:
-      return load<float>(bytes);
-  }
-}
-
-size_t components_of(const std::string& type) {
-  if (type == "SCALAR") return 1;
-  if (type == "VEC2") return 2;
-  if (type == "VEC3") return 3;
-  if (type == "VEC4") return 4;
-  return 0;
+std::string mend_for(const std::string& extension) {
+  if (extension == "KHR_texture_basisu")
+    return "its pictures are KTX2 files, which are not read: export it with PNG or JPEG pictures";
+  if (extension == "EXT_mesh_gpu_instancing") return "export each copy as an object of its own";
+  return "export it without this extension";
 }
 
 int hex_digit(char c) {
@@ -88,12 +53,15 @@ int base64_digit(char c) {
 
 }  // namespace
 
-struct GltfFile::Accessor {
-  const char* data = nullptr;  // null: all zeros
-  size_t count = 0, stride = 0;
-  int type = 0;
-  bool normalised = false;
-};
+bool GltfFile::is_fallback(const json& buffer) {
+  const auto extensions = buffer.find("extensions");
+  if (extensions == buffer.end() || !extensions->contains("EXT_meshopt_compression")) return false;
+  return extensions->at("EXT_meshopt_compression").value("fallback", false);
+}
+
+std::string gltf_place(const char* kind, size_t index) {
+  return std::string(kind) + "[" + std::to_string(index) + "]";
+}
 
 size_t index_or(const json& object, const char* key, size_t missing) {
   const auto found = object.find(key);
@@ -130,7 +98,17 @@ GltfFile::GltfFile(const std::filesystem::path& file) : file_(file) {
   } else {
     fail("byte 0", "is no GLB file: it does not begin with 'glTF'", kExportAgain);
   }
+  check_extensions();
   read_buffers();
+}
+
+/// First of all: a file that needs what is not read must not be called damaged for it.
+void GltfFile::check_extensions() const {
+  if (!root_.contains("extensionsRequired")) return;
+  for (const json& name : root_.at("extensionsRequired"))
+    if (!is_read(name.get<std::string>()))
+      fail("extensionsRequired", "needs " + name.get<std::string>() + ", which is not read",
+           mend_for(name.get<std::string>()));
 }
 
 void GltfFile::fail(const std::string& place, const std::string& cause, const std::string& mend) const {
@@ -177,8 +155,12 @@ void GltfFile::read_json(std::string_view text) {
 void GltfFile::read_buffers() {
   for (size_t i = 0; i < count("buffers"); ++i) {
     const json& buffer = item("buffers", i);
-    const std::string place = place_of("buffers", i);
+    const std::string place = gltf_place("buffers", i);
     std::string bytes;
+    if (is_fallback(buffer) && !buffer.contains("uri") && (i != 0 || binary_chunk_.empty())) {
+      buffers_.emplace_back();  // its buffer views are compressed
+      continue;
+    }
     if (!buffer.contains("uri")) {
       if (i != 0 || binary_chunk_.empty())
         fail(place, "has no data: the binary chunk is missing", kTruncated);
@@ -205,93 +187,10 @@ size_t GltfFile::count(const char* kind) const {
 const json& GltfFile::item(const char* kind, size_t index) const {
   const size_t available = count(kind);
   if (index >= available)
-    fail(place_of(kind, index), "is used but the file has " + std::to_string(available), kExportAgain);
+    fail(gltf_place(kind, index), "is used but the file has " + std::to_string(available), kExportAgain);
   const json& found = root_[kind][index];
-  if (!found.is_object()) fail(place_of(kind, index), "is no object", kExportAgain);
+  if (!found.is_object()) fail(gltf_place(kind, index), "is no object", kExportAgain);
   return found;
-}
-
-std::string_view GltfFile::buffer_view(size_t view) const {
-  const json& object = item("bufferViews", view);
-  const size_t buffer = index_or(object, "buffer");
-  if (buffer >= buffers_.size())
-    fail(place_of("bufferViews", view), "names no buffer of the file", kExportAgain);
-  const size_t offset = index_or(object, "byteOffset", 0), length = index_or(object, "byteLength", 0);
-  const std::string& bytes = buffers_[buffer];
-  if (offset > bytes.size() || length > bytes.size() - offset)
-    fail(place_of("bufferViews", view),
-         "goes beyond its buffer of " + std::to_string(bytes.size()) + " bytes", kTruncated);
-  return std::string_view(bytes).substr(offset, length);
-}
-
-GltfFile::Accessor GltfFile::accessor(size_t index, size_t components) const {
-  const json& object = item("accessors", index);
-  const std::string place = place_of("accessors", index);
-  if (object.contains("sparse"))
-    fail(place, "is sparse, which is not supported", "export without sparse data");
-  Accessor result;
-  result.type = static_cast<int>(std::min<size_t>(index_or(object, "componentType", 0), 100000));
-  result.count = index_or(object, "count", 0);
-  result.normalised = object.value("normalized", false);
-  const size_t component_bytes = size_of_component(result.type);
-  if (component_bytes == 0)
-    fail(place, "has the unknown component type " + std::to_string(result.type), kExportAgain);
-  if (components_of(object.value("type", "")) != components)
-    fail(place, "has the type '" + object.value("type", "") + "'", kExportAgain);
-  if (result.count > kMaxScanElements)
-    fail(place, "has " + std::to_string(result.count) + " elements",
-         "a scan may have " + std::to_string(kMaxScanElements));
-  const size_t element_bytes = components * component_bytes;
-  result.stride = element_bytes;
-  const size_t view_index = index_or(object, "bufferView");
-  if (view_index == kMissing) return result;
-  const std::string_view bytes = buffer_view(view_index);
-  const size_t offset = index_or(object, "byteOffset", 0);
-  result.stride = index_or(item("bufferViews", view_index), "byteStride", element_bytes);
-  const bool sane = result.stride >= element_bytes && result.stride <= 255 && offset <= bytes.size();
-  if (!sane ||
-      (result.count > 0 && (result.count - 1) * result.stride + element_bytes > bytes.size() - offset))
-    fail(place,
-         "with " + std::to_string(result.count) + " elements goes beyond its buffer view of " +
-             std::to_string(bytes.size()) + " bytes",
-         kTruncated);
-  result.data = bytes.data() + offset;
-  return result;
-}
-
-std::vector<float> GltfFile::floats(size_t index, size_t components) const {
-  const Accessor from = accessor(index, components);
-  std::vector<float> values(from.count * components, 0.0f);
-  if (!from.data) return values;
-  const size_t component_bytes = size_of_component(from.type);
-  for (size_t i = 0; i < from.count; ++i)
-    for (size_t c = 0; c < components; ++c)
-      values[i * components + c] =
-          load_float(from.data + i * from.stride + c * component_bytes, from.type, from.normalised);
-  return values;
-}
-
-std::vector<uint32_t> GltfFile::indices(size_t index) const {
-  const Accessor from = accessor(index, 1);
-  std::vector<uint32_t> values(from.count, 0);
-  if (!from.data) return values;
-  for (size_t i = 0; i < from.count; ++i) {
-    const char* at = from.data + i * from.stride;
-    switch (from.type) {
-      case 5121:
-        values[i] = load<uint8_t>(at);
-        break;
-      case 5123:
-        values[i] = load<uint16_t>(at);
-        break;
-      case 5125:
-        values[i] = load<uint32_t>(at);
-        break;
-      default:
-        fail(place_of("accessors", index), "holds no unsigned integers", kExportAgain);
-    }
-  }
-  return values;
 }
 
 bool GltfFile::decode_data_uri(const std::string& uri, const std::string& place, std::string& bytes) const {

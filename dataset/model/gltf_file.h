@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -13,7 +14,8 @@ namespace ohb {
 /// All functions throw InputError with the place in the JSON ("accessors[3]").
 class GltfFile {
  public:
-  /// Reads .glb or .gltf with its buffers (binary chunk, data: URIs, files beside it).
+  /// Reads .glb or .gltf with its buffers (binary chunk, data: URIs, files beside it). Refuses extensions
+  /// that the file requires and that are not read before anything else.
   explicit GltfFile(const std::filesystem::path& file);
 
   const nlohmann::json& root() const { return root_; }
@@ -23,10 +25,14 @@ class GltfFile {
   const nlohmann::json& item(const char* kind, size_t index) const;
   size_t count(const char* kind) const;
 
-  /// The accessor's numbers, `components` an element; normalised integers become fractions.
+  /// Numbers an element of the accessor has: 1 to 4, 16 of a 4 x 4 matrix.
+  size_t components(size_t accessor) const;
+  /// The accessor's numbers, `components` an element; normalised integers become fractions, sparse elements
+  /// take the place of others.
   std::vector<float> floats(size_t accessor, size_t components) const;
   /// The accessor's unsigned integers.
   std::vector<uint32_t> indices(size_t accessor) const;
+  /// The bytes of a buffer view, decompressed where EXT_meshopt_compression says so.
   std::string_view buffer_view(size_t view) const;
 
   /// Bytes of a "data:...;base64," URI. False if `uri` is none.
@@ -36,17 +42,30 @@ class GltfFile {
 
  private:
   struct Accessor;
+  struct Sparse;
 
   void read_container(const std::string& content);
   void read_json(std::string_view text);
   void read_buffers();
+  void check_extensions() const;
+  static bool is_fallback(const nlohmann::json& buffer);
   Accessor accessor(size_t index, size_t components) const;
+  Accessor packed(const nlohmann::json& from, Accessor shape, const std::string& place) const;
+  Sparse sparse(size_t index, const Accessor& whole) const;
+  std::string_view stored_view(const nlohmann::json& view, const std::string& place) const;
+  std::string decompressed(const nlohmann::json& compression, const std::string& place) const;
 
   std::filesystem::path file_;
   nlohmann::json root_;
   std::string binary_chunk_;
   std::vector<std::string> buffers_;
+  mutable std::map<size_t, std::string> decompressed_;  // buffer views
 };
+
+constexpr const char* kGltfExportAgain = "export the scan again";
+constexpr const char* kGltfTruncated = "the file is truncated: copy or export it again";
+/// "accessors[3]"
+std::string gltf_place(const char* kind, size_t index);
 
 /// `object[key]` as an index (0 to 2^31); `missing` if the key is not there.
 constexpr size_t kMissing = static_cast<size_t>(-1);

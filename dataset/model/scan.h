@@ -117,10 +117,10 @@ enum class MissingFiles { kRefused, kReported };
 
 /// Reads .obj (with its .mtl), .glb/.gltf or .fbx (7, binary or ASCII). glTF vertices that were split at UV
 /// seams are welded within their object where positions are bitwise equal, so that smooth normals do not
-/// crack. Node transforms are applied, rigged meshes stay at rest; FBX is turned to its stated up axis = +Y.
-/// Throws InputError: no such file, unknown format, truncated or malformed, no faces, index out of range,
-/// NaN or infinite position or UV (naming the vertex), missing or unreadable picture or .mtl if `missing`
-/// says so.
+/// crack. Node transforms are applied; rigs take the pose of the nodes in glTF and stay at rest in FBX; FBX
+/// is turned to its stated up axis = +Y. Throws InputError: no such file, unknown format, truncated or
+/// malformed, no faces, index out of range, NaN or infinite position or UV (naming the vertex), missing or
+/// unreadable picture or .mtl if `missing` says so.
 Scan read_scan(const std::filesystem::path& file, MissingFiles missing = MissingFiles::kRefused);
 
 /// One triangle of a scan: corner indices into Scan::corners, and the face that it comes from.

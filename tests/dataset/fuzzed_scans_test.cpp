@@ -3,6 +3,7 @@
 
 #include "dataset/model/scan.h"
 #include "dataset/production/inspect.h"
+#include "tests/support/compressed_gltf.h"
 #include "tests/support/fbx_files.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/scan_files.h"
@@ -73,6 +74,25 @@ TEST(FuzzedScans, Glb) {
   write_small_png(folder / "p.png", 4);
   const std::string png = read_file(folder / "p.png");
   fuzz("scan.glb", glb_of(quad_glb_json(png.size()), quad_glb_binary(png)), 500, 3, folder);
+}
+
+TEST(FuzzedScans, GlbOfRigsAndCompressedData) {
+  const TemporaryFolder folder;
+  write_small_png(folder / "p.png", 4);
+  GlbBuilder rig = skinned_glb();
+  rig.colour_info() = rig.add_picture(read_file(folder / "p.png"), {{"wrapS", 33648}, {"wrapT", 33071}});
+  rig.colour_info()["extensions"]["KHR_texture_transform"] = {{"scale", {3, 2}}, {"rotation", 1}};
+  rig.material()["alphaMode"] = "MASK";
+  rig.primitive()["attributes"]["COLOR_0"] =
+      rig.add<uint8_t>(std::vector<uint8_t>(16, 99), "VEC4", 5121, true);
+  rig.primitive()["targets"] = {{{"POSITION", rig.add(std::vector<float>(12, 1), "VEC3", 5126)}}};
+  rig.json["meshes"][0]["weights"] = {0.5};
+  rig.json["accessors"][0]["sparse"] = {{"count", 1},
+                                        {"indices", {{"bufferView", 2}, {"componentType", 5123}}},
+                                        {"values", {{"bufferView", 0}}}};
+  fuzz("scan.glb", rig.bytes(), 600, 7, folder);
+  fuzz("scan.glb", meshopt_glb().bytes(), 600, 8, folder);
+  fuzz("scan.glb", draco_glb().bytes(), 600, 9, folder);
 }
 
 TEST(FuzzedScans, Fbx) {
