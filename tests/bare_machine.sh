@@ -7,8 +7,9 @@ if [ "${1:-}" = "--help" ] || [ "${1:-}" = "-h" ]; then
 usage: tests/bare_machine.sh [--keep] [--ccache DIR] [--root DIR] [--no-sanitizers]
 
 Makes two bare Debian 12 machines (debootstrap) in DIR: on the first a clean copy of what is committed runs README.md's
-quickstart as it is printed there (./demo --quick and what follows), ./demo --quick again without a network, ./test and
-./package; on the second, without a compiler, the package is installed and every command and the quickstart run again.
+quickstart as it is printed there (./demo --quick and what follows), ./demo --quick again without a network, and
+./package; on the second, without a compiler, the package is installed and every command and the quickstart run again;
+then, on the first, ./test.
 Ends with 0 if all of them did, and writes the minutes of each to DIR/minutes.tsv and its words to DIR/*.log.
 Needs root, debootstrap, 16 GB and, besides Debian's mirror (the one that apt uses here), no network.
 
@@ -123,7 +124,6 @@ quickstart=$(printed Quickstart)
 
 timed quickstart first yes "set -e; cd /checkout; $quickstart"
 timed demo_again first no "cd /tmp && /checkout/demo --quick"
-timed test first yes "cd /checkout && ./test $test_options"
 timed package first yes "cd /checkout && ./package"
 
 machine second
@@ -134,7 +134,8 @@ timed install second yes "set -e; cd /here; apt-get update -q; $(printed "Instal
 timed every_command second no "bash /here/every_command.sh /usr /here/out"
 timed installed_quickstart second no "set -e; cd /here; cp -r /usr/share/openhumanbrdf/assets .
   $(printf '%s\n' "$quickstart" | sed '/^\.\/demo/d; /^export PATH/d')"
-timed remove second yes "apt-get purge -y -q openhumanbrdf && test ! -e /usr/share/openhumanbrdf"
+timed remove second no "apt-get purge -y -q openhumanbrdf && test ! -e /usr/share/openhumanbrdf"
+timed test first yes "cd /checkout && ./test $test_options"
 
 column -t "$root/minutes.tsv" 2>/dev/null || cat "$root/minutes.tsv"
 [ -z "$failed" ] || { echo "failed:$failed; logs in $root"; exit 1; }

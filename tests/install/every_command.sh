@@ -46,8 +46,10 @@ if [ -x "$prefix/bin/humanmaterial" ]; then
   openhumanbrdf bake "$human" --regions regions --size 64 --name two -o model_two
   openhumanbrdf render model --environment "$sky" --views 2 --size 64 --spp 4 --subsurface diffuse -o data/one
   openhumanbrdf render model_two --environment "$sky" --views 2 --size 64 --spp 4 --subsurface diffuse -o data/two
-  humanmaterial train geometry --data data --hold-out two --size 64 --steps 2 -o run
-  humanmaterial evaluate run --data data --no-relight -o evaluation
+  for model in geometry albedo rss; do
+    humanmaterial train "$model" --data data --hold-out two --size 64 --steps 2 -o "runs/$model"
+  done
+  humanmaterial evaluate runs/* --data data --no-relight -o evaluation
   humanmaterial estimate samples/previews/view_000.relit.studio.png --mask samples/previews/view_000.mask.png \
     --weights "$share"/assets/weights/{geometry,albedo,rss}.safetensors -o maps
   if command -v blender >/dev/null; then
