@@ -2,42 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "dataset/model/colour.h"
 #include "dataset/model/mesh_topology.h"
-#include "dataset/people/random.h"
+#include "dataset/people/noise.h"
 
 namespace ohb::people {
 namespace {
 
 float luminance(Vec3f c) {
   return .2126f * c.x + .7152f * c.y + .0722f * c.z;
-}
-
-float smooth(float low, float high, float x) {
-  const float t = std::clamp((x - low) / (high - low), 0.0f, 1.0f);
-  return t * t * (3 - 2 * t);
-}
-
-/// A number in [0, 1) of a cell of the integer lattice.
-float cell_number(int x, int y, int z, uint64_t which) {
-  const uint64_t key = static_cast<uint64_t>(static_cast<uint32_t>(x)) * 73856093u ^
-                       static_cast<uint64_t>(static_cast<uint32_t>(y)) * 19349663u ^
-                       static_cast<uint64_t>(static_cast<uint32_t>(z)) * 83492791u;
-  return static_cast<float>(mixed(key + which * 0x51ed27u) >> 40) * 0x1p-24f;
-}
-
-/// Smooth noise in [0, 1) of period 1.
-float value_noise(Vec3f p, uint64_t which) {
-  const int x = static_cast<int>(std::floor(p.x)), y = static_cast<int>(std::floor(p.y)),
-            z = static_cast<int>(std::floor(p.z));
-  const float s = smooth(0, 1, p.x - static_cast<float>(x)), t = smooth(0, 1, p.y - static_cast<float>(y)),
-              u = smooth(0, 1, p.z - static_cast<float>(z));
-  float sum = 0;
-  for (int k = 0; k < 8; ++k)
-    sum += (k & 1 ? s : 1 - s) * (k & 2 ? t : 1 - t) * (k & 4 ? u : 1 - u) *
-           cell_number(x + (k & 1), y + (k >> 1 & 1), z + (k >> 2), which);
-  return sum;
 }
 
 /// Distance to the border between the two nearest points of a jittered lattice (Worley 1996): 0 in the
@@ -84,6 +59,16 @@ float pattern_share(int pattern, Vec2f cm, float period_cm) {
   }
 }
 
+/// Heights and area of a piece of cloth.
+struct Extent {
+  float low = INFINITY, high = -INFINITY, area = 0, moment = 0;
+  void add(Vec3f at) { low = std::min(low, at.y), high = std::max(high, at.y); }
+  void add(const Extent& other) {
+    low = std::min(low, other.low), high = std::max(high, other.high);
+    area += other.area, moment += other.moment;
+  }
+};
+
 }  // namespace
 
 Look::Look(const Person& person, const Part& part) : kind_(part.kind), worn_(part.worn) {
@@ -100,27 +85,35 @@ Look::Look(const Person& person, const Part& part) : kind_(part.kind), worn_(par
 
 void Look::find_zones(const Person& person, const Part& part) {
   const Scan& mesh = *part.mesh;
-  DisjointSets pieces(mesh.positions.size());
+  // Pieces hang together in space; one that reaches far above and below the hips is told apart by its UV
+  // charts.
+  DisjointSets pieces(mesh.positions.size()), charts(mesh.uvs.size());
   for (size_t face = 0; face < mesh.face_count(); ++face)
-    for (uint32_t c = mesh.face_begin[face] + 1; c < mesh.face_begin[face + 1]; ++c)
+    for (uint32_t c = mesh.face_begin[face] + 1; c < mesh.face_begin[face + 1]; ++c) {
       pieces.join(mesh.corners[mesh.face_begin[face]].position, mesh.corners[c].position);
-  std::vector<float> area(mesh.positions.size(), 0), moment(mesh.positions.size(), 0);
+      charts.join(mesh.corners[mesh.face_begin[face]].uv, mesh.corners[c].uv);
+    }
+  std::map<uint32_t, Extent> of_piece, of_chart;
   float whole = 0;
   for (const SurfaceTriangle& triangle : triangles_of(part)) {
-    const Vec3f a = part.rest_cm[triangle.corner[0]], b = part.rest_cm[triangle.corner[1]],
-                c = part.rest_cm[triangle.corner[2]];
-    const float size = .5f * length(cross(b - a, c - a));
-    const uint32_t piece = pieces.find(triangle.corner[0]);
-    area[piece] += size, moment[piece] += size * (a.y + b.y + c.y) / 3;
-    whole += size;
+    Extent extent;
+    for (const uint32_t corner : triangle.corner) extent.add(part.rest_cm[corner]);
+    const Vec3f a = part.rest_cm[triangle.corner[0]];
+    extent.area =
+        .5f * length(cross(part.rest_cm[triangle.corner[1]] - a, part.rest_cm[triangle.corner[2]] - a));
+    extent.moment = extent.area * .5f * (extent.low + extent.high);
+    of_piece[pieces.find(triangle.corner[0])].add(extent);
+    of_chart[charts.find(mesh.corners[mesh.face_begin[triangle.face]].uv)].add(extent);
+    whole += extent.area;
   }
-  constexpr float kDetailShare = .03f;
+  constexpr float kDetailShare = .03f, kFar_cm = 15;
   zones_.resize(mesh.face_count());
   for (size_t face = 0; face < mesh.face_count(); ++face) {
-    const uint32_t piece = pieces.find(mesh.corners[mesh.face_begin[face]].position);
-    zones_[face] = area[piece] < kDetailShare * whole             ? kDetail
-                   : moment[piece] > area[piece] * person.hips_cm ? 1
-                                                                  : 0;
+    const Corner corner = mesh.corners[mesh.face_begin[face]];
+    const Extent& piece = of_piece[pieces.find(corner.position)];
+    const bool is_both = piece.low < person.hips_cm - kFar_cm && piece.high > person.hips_cm + kFar_cm;
+    const Extent& body = is_both ? of_chart[charts.find(corner.uv)] : piece;
+    zones_[face] = piece.area < kDetailShare * whole ? kDetail : body.moment > body.area * person.hips_cm;
   }
 }
 

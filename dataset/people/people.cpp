@@ -27,7 +27,7 @@ using Clock = std::chrono::steady_clock;
 /// A person that fails this often is taken as it came out last, and says so.
 constexpr int kMostRedraws = 12;
 /// Changes when the same seed gives another person.
-constexpr int kRecipeVersion = 1;
+constexpr int kRecipeVersion = 2;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -35,9 +35,15 @@ double seconds_since(Clock::time_point start) {
 
 /// What the person depends on; equal to what its JSON says: it is there as asked for.
 nlohmann::json request_of(const PeopleJob& job, const Assets& assets, int index) {
-  return {{"seed", job.draw.seed},         {"index", index},
-          {"balanced", job.draw.balanced}, {"atlas_px", job.atlas_px},
-          {"preview_px", job.preview_px},  {"recipe_version", kRecipeVersion},
+  return {{"seed", job.draw.seed},
+          {"index", index},
+          {"balanced", job.draw.balanced},
+          {"atlas_px", job.scan.atlas_px},
+          {"noise_cm", job.scan.faults.noise_cm},
+          {"holes", job.scan.faults.holes},
+          {"baked_shading", job.scan.faults.shading},
+          {"preview_px", job.preview_px},
+          {"recipe_version", kRecipeVersion},
           {"assets", assets.fingerprint()}};
 }
 
@@ -103,7 +109,7 @@ MadePerson make_person(const PeopleJob& job, const Assets& assets, int index) {
     redrawn.push_back(verdict);
   }
   throw_if_interrupted();
-  const ScannedPerson scan = scan_person(std::move(person), job.atlas_px);
+  const ScannedPerson scan = scan_person(std::move(person), job.scan);
   nlohmann::json extra = {{"recipe", to_json(made.recipe)},
                           {"checks", to_json(faults)},
                           {"redrawn_because", redrawn},

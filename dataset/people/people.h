@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dataset/people/recipe.h"
+#include "dataset/people/scan_bake.h"
 
 namespace ohb::people {
 
@@ -14,7 +15,7 @@ struct PeopleJob {
   std::filesystem::path assets, output;
   int count = 1;
   DrawOptions draw;
-  int atlas_px = 2048;
+  ScanOptions scan;
   int preview_px = 384;
   bool quiet = false;
 };

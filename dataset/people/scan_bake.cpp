@@ -57,9 +57,10 @@ struct Shown {
 
 class Painter {
  public:
+  /// `shades`: of each part's vertices, or none at all.
   Painter(const Person& person, const Atlas& atlas, const std::vector<Look>& looks,
-          const std::vector<std::vector<uint8_t>>& zones)
-      : person_(person), atlas_(atlas), looks_(looks), zones_(zones) {
+          const std::vector<std::vector<uint8_t>>& zones, std::vector<std::vector<float>> shades)
+      : person_(person), atlas_(atlas), looks_(looks), zones_(zones), shades_(std::move(shades)) {
     for (const Part& part : person.parts)
       if (part.kind == PartKind::kBrows) brows_ = std::make_unique<Brows>(person, part);
     for (uint32_t f = 0; f < atlas.faces.size(); ++f) {
@@ -114,15 +115,17 @@ class Painter {
     const Scan& mesh = *part.mesh;
     Vec2f source;
     Vec3f rest, at[3];
+    float shade = shades_.empty() ? 1.0f : 0.0f;
     for (int k = 0; k < 3; ++k) {
       const Corner corner = mesh.corners[mesh.face_begin[face.face] + shown.corner[k]];
       source = source + weight[k] * mesh.uvs[corner.uv];
       at[k] = part.rest_cm[corner.position];
       rest += weight[k] * at[k];
+      if (!shades_.empty()) shade += weight[k] * shades_[face.part][corner.position];
     }
     const Vec3f colour = looks_[face.part].colour(zones_[face.part][face.face], source, rest);
-    if (part.kind != PartKind::kSkin || !brows_) return colour;
-    return brows_->over(colour, rest, normalised(cross(at[1] - at[0], at[2] - at[0])));
+    if (part.kind != PartKind::kSkin || !brows_) return shade * colour;
+    return shade * brows_->over(colour, rest, normalised(cross(at[1] - at[0], at[2] - at[0])));
   }
 
   /// Barycentric weights, moved into the triangle.
@@ -157,6 +160,7 @@ class Painter {
   const Atlas& atlas_;
   const std::vector<Look>& looks_;
   const std::vector<std::vector<uint8_t>>& zones_;
+  std::vector<std::vector<float>> shades_;
   std::unique_ptr<Brows> brows_;
   std::vector<Shown> shown_;
   std::vector<UvTriangle> triangles_;
@@ -190,7 +194,7 @@ void write_mesh(const Person& person, const Atlas& atlas, const std::vector<Look
 
 }  // namespace
 
-ScannedPerson scan_person(Person person, int atlas_px) {
+ScannedPerson scan_person(Person person, const ScanOptions& options) {
   std::vector<Look> looks;
   std::vector<std::vector<uint8_t>> zones;
   for (Part& part : person.parts) {
@@ -206,11 +210,15 @@ ScannedPerson scan_person(Person person, int atlas_px) {
   }
   ScannedPerson scan;
   scan.unseen_faces = drop_unseen_faces(person);
+  if (options.faults.holes > 0) cut_holes(person, options.faults.holes);
   stand_on_ground(person);
-  const Atlas atlas = pack_atlas(person, atlas_px);
+  std::vector<std::vector<float>> shades;
+  if (options.faults.shading) shades = soft_shading(person);
+  if (options.faults.noise_cm > 0) add_noise(person, options.faults.noise_cm);
+  const Atlas atlas = pack_atlas(person, options.atlas_px);
   scan.px_per_cm = atlas.px_per_cm;
   write_mesh(person, atlas, looks, zones, scan);
-  scan.picture = Painter(person, atlas, looks, zones).paint();
+  scan.picture = Painter(person, atlas, looks, zones, std::move(shades)).paint();
   return scan;
 }
 

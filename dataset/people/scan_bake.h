@@ -3,6 +3,7 @@
 
 #include "dataset/model/image.h"
 #include "dataset/people/atlas.h"
+#include "dataset/people/scan_faults.h"
 
 namespace ohb::people {
 
@@ -20,8 +21,13 @@ struct ScannedPerson {
   size_t face_count() const { return face_begin.size() - 1; }
 };
 
+struct ScanOptions {
+  int atlas_px = 2048;
+  ScanFaults faults;
+};
+
 /// Hides what cannot be seen, cuts hair to its outline, packs the atlas and paints the picture. Throws
 /// InputError for a picture that cannot be read.
-ScannedPerson scan_person(Person person, int atlas_px);
+ScannedPerson scan_person(Person person, const ScanOptions& options);
 
 }  // namespace ohb::people

@@ -23,21 +23,6 @@ std::vector<Vec3f> directions() {
   return all;
 }
 
-SurfaceQuery everything(const Person& person) {
-  std::vector<Vec3f> positions;
-  std::vector<SurfaceTriangle> triangles;
-  for (const Part& part : person.parts) {
-    if (part.kind == PartKind::kBrows) continue;
-    const auto first = static_cast<uint32_t>(positions.size());
-    positions.insert(positions.end(), part.posed_cm.begin(), part.posed_cm.end());
-    for (SurfaceTriangle triangle : triangles_of(part)) {
-      for (uint32_t& corner : triangle.corner) corner += first;
-      triangles.push_back(triangle);
-    }
-  }
-  return SurfaceQuery(std::move(positions), std::move(triangles));
-}
-
 bool point_is_seen(const SurfaceQuery& all, Vec3f at, Vec3f normal, bool from_both_sides,
                    const std::vector<Vec3f>& ways) {
   for (const Vec3f& way : ways) {
@@ -69,8 +54,23 @@ bool face_is_seen(const SurfaceQuery& all, const Part& part, uint32_t face, cons
 
 }  // namespace
 
+SurfaceQuery surface_of(const Person& person) {
+  std::vector<Vec3f> positions;
+  std::vector<SurfaceTriangle> triangles;
+  for (const Part& part : person.parts) {
+    if (part.kind == PartKind::kBrows) continue;
+    const auto first = static_cast<uint32_t>(positions.size());
+    positions.insert(positions.end(), part.posed_cm.begin(), part.posed_cm.end());
+    for (SurfaceTriangle triangle : triangles_of(part)) {
+      for (uint32_t& corner : triangle.corner) corner += first;
+      triangles.push_back(triangle);
+    }
+  }
+  return SurfaceQuery(std::move(positions), std::move(triangles));
+}
+
 size_t drop_unseen_faces(Person& person) {
-  const SurfaceQuery all = everything(person);
+  const SurfaceQuery all = surface_of(person);
   const std::vector<Vec3f> ways = directions();
   size_t dropped = 0;
   for (Part& part : person.parts) {

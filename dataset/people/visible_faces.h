@@ -5,6 +5,9 @@
 
 namespace ohb::people {
 
+/// All that can be seen or hide something: the kept faces of all parts but brows, in the pose.
+SurfaceQuery surface_of(const Person& person);
+
 /// Keeps the faces that a ray reaches from outside, and their neighbours. Gives the number dropped.
 size_t drop_unseen_faces(Person& person);
 

@@ -23,7 +23,7 @@ PeopleJob job_of(const fs::path& assets, const fs::path& output, int count) {
   PeopleJob job;
   job.assets = assets, job.output = output, job.count = count;
   job.draw.balanced = true;
-  job.atlas_px = 256, job.preview_px = 32;
+  job.scan.atlas_px = 256, job.preview_px = 32;
   job.quiet = true;
   return job;
 }
@@ -173,11 +173,34 @@ TEST(People, AnOutputThatIsAFileIsRefused) {
   input_error_of([&] { make_people(job_of(folder / "assets", folder / "out", 1)); });
 }
 
+TEST(People, HarderScansDifferAndAreJustAsGood) {
+  const TemporaryFolder folder;
+  const TinyAssets assets(folder / "assets");
+  PeopleJob job = job_of(folder / "assets", folder / "plain", 1);
+  const std::string name = make_people(job).people[0].name + "/";
+  const auto scan_of = [&](const char* output, const ScanFaults& faults) {
+    job.output = folder / output;
+    job.scan.faults = faults;
+    make_people(job);
+    return files_of(job.output);
+  };
+  const auto plain = files_of(folder / "plain");
+  const std::string obj = name + name.substr(0, name.size() - 1) + "_scan.obj",
+                    jpg = name + name.substr(0, name.size() - 1) + "_scan.jpg";
+  const auto noisy = scan_of("noisy", {.2f, 0, false}), holed = scan_of("holed", {0, 3, false}),
+             shaded = scan_of("shaded", {0, 0, true});
+  EXPECT_NE(noisy.at(obj), plain.at(obj));
+  EXPECT_EQ(shaded.at(obj), plain.at(obj)) << "light changes the picture alone";
+  EXPECT_NE(shaded.at(jpg), plain.at(jpg));
+  EXPECT_LT(read_scan(folder / "holed" / obj).face_count(), read_scan(folder / "plain" / obj).face_count());
+  EXPECT_EQ(scan_of("noisy_again", {.2f, 0, false}).at(obj), noisy.at(obj));
+}
+
 TEST(SharedAssets, TwoPeopleFromTheRealOnes) {
   OHB_SHARED_DATA_OR_SKIP(assets, "makehuman");
   const TemporaryFolder folder;
   PeopleJob job = job_of(assets, folder / "out", 2);
-  job.atlas_px = 1024;
+  job.scan.atlas_px = 1024;
   const PeopleReport report = make_people(job);
   for (const MadePerson& made : report.people) {
     const fs::path base = folder / "out" / made.name / (made.name + "_scan");
