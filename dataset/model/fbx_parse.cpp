@@ -153,12 +153,17 @@ class AsciiParser {
     throw InputError(file_.string(), "line " + std::to_string(line), cause, kTruncated);
   }
 
-  /// Looked for before the rest is parsed: other versions may be written in other ways. 7000 if it is not
-  /// there.
+  /// Looked for before the rest is parsed: other versions may be written in other ways. Without it the
+  /// comment at the top ("; FBX 6.1.0 project file") tells, else it is taken as 7.
   int64_t stated_version() const {
     const std::string_view key = "FBXVersion:";
     const size_t found = content_.find(key);
-    if (found == std::string_view::npos) return 7000;
+    if (found == std::string_view::npos) {
+      const std::string_view top = "; FBX ";
+      const bool is_stated = content_.substr(0, top.size()) == top && content_.size() > top.size() + 3;
+      const std::string_view number = is_stated ? content_.substr(top.size(), 3) : "7.0";
+      return 1000 * (number[0] - '0') + 100 * (number[2] - '0');
+    }
     size_t begin = found + key.size();
     while (begin < content_.size() && (content_[begin] == ' ' || content_[begin] == '\t')) ++begin;
     size_t end = begin;

@@ -275,23 +275,32 @@ class FbxReader {
     return layer.values;
   }
 
-  /// sRGB, as Blender takes them. Layers of one colour are what programs write that have no colours.
+  /// sRGB, as Blender takes them. Layers all white or all black are what programs write that have no colours.
   void read_colours(const FbxNode& geometry, const std::string& place, size_t base, size_t first_face) {
     const Layer layer = layer_of(geometry, "LayerElementColor", "Colors", "ColorIndex");
     const std::vector<double>& rgba = layer.values;
-    bool differ = false;
-    for (size_t i = 4; i < rgba.size(); ++i) differ = differ || (i % 4 != 3 && rgba[i] != rgba[i % 4]);
-    const bool is_by_face = layer.mapping == "ByPolygon";
-    if (!differ || first_face == scan_.face_begin.size() ||
-        (!is_by_face && !layer.is_by_vertex() && layer.mapping != "ByPolygonVertex"))
+    bool all_white = true, all_black = true;
+    for (size_t i = 0; i < rgba.size(); ++i) {
+      all_white = all_white && (i % 4 == 3 || rgba[i] >= 1);
+      all_black = all_black && (i % 4 == 3 || rgba[i] == 0);
+    }
+    if (all_white || first_face == scan_.face_begin.size()) return;
+    const bool is_by_face = layer.mapping == "ByPolygon", is_one = layer.mapping == "AllSame";
+    const bool is_known = is_by_face || is_one || layer.is_by_vertex() || layer.mapping == "ByPolygonVertex";
+    if (all_black || !is_known) {
+      scan_.notes.push_back(place + ": its colours at the vertices are " +
+                            (all_black ? "all black and" : "mapped '" + layer.mapping + "' and") +
+                            " not used");
       return;
+    }
     scan_.corner_colours.resize(scan_.corners.size());
     is_coloured_.resize(scan_.face_begin.size(), false);
     const size_t first_corner = scan_.face_begin[first_face];
     for (size_t f = first_face; f < scan_.face_begin.size(); ++f) {
       is_coloured_[f] = true;
       for (auto c = scan_.face_begin[f]; c < static_cast<size_t>(end_of_face(f)); ++c) {
-        const double target = layer.at(is_by_face             ? f - first_face
+        const double target = layer.at(is_one                 ? 0
+                                       : is_by_face           ? f - first_face
                                        : layer.is_by_vertex() ? scan_.corners[c].position - base
                                                               : c - first_corner);
         if (target == -1) continue;

@@ -230,8 +230,15 @@ TEST(FaultsFbx, ColoursAtTheVertices) {
   EXPECT_EQ(mirrored.corners[1].position, 3u);
   EXPECT_FLOAT_EQ(mirrored.corner_colours[1].rgb.x, 1);
   EXPECT_FLOAT_EQ(mirrored.corner_colours[3].rgb.y, srgb_to_linear(.5f));
-  const Scan one_colour = scan_of_fbx(folder, replaced(file, {{"1,0,0,1,0,0.5,0,1", "0,0,0,1,0,0,0,1"}}));
-  EXPECT_TRUE(one_colour.corner_colours.empty());
+  const Scan black = scan_of_fbx(folder, replaced(file, {{"1,0,0,1,0,0.5,0,1", "0,0,0,1,0,0,0,1"}}));
+  EXPECT_TRUE(black.corner_colours.empty());
+  EXPECT_TRUE(is_noted(black, "all black"));
+  const Scan white = scan_of_fbx(folder, replaced(file, {{"1,0,0,1,0,0.5,0,1", "1,1,1,1,1,1,1,1"}}));
+  EXPECT_TRUE(white.corner_colours.empty());
+  EXPECT_FALSE(is_noted(white, "colours"));
+  const Scan same =
+      scan_of_fbx(folder, replaced(file, {{"ByPolygonVertex", "AllSame"}, {"a: 0,1,1,0", "a: 1"}}));
+  EXPECT_FLOAT_EQ(same.corner_colours.at(3).rgb.y, srgb_to_linear(.5f));
 }
 
 std::string fbx_with_shape(const std::string& channel) {
@@ -290,6 +297,7 @@ TEST(FaultsFbx, AsciiVersion6IsTheSameAsVersion7) {
   expect_same_scan(six, seven);
   EXPECT_FLOAT_EQ(six.materials[0].diffuse_factor.y, .5f);
   EXPECT_TRUE(is_noted(six, "is FBX 6100"));
+  expect_same_scan(scan_of_fbx(folder, replaced(ascii_quad_fbx6(), {{"\tFBXVersion: 6100\n", ""}})), seven);
   const Scan smiling =
       scan_of_fbx(folder, ascii_quad_fbx6("\t\t\tProperty: \"smile\", \"Shape\", \"A+N\",50\n"));
   EXPECT_FLOAT_EQ(smiling.positions[1].z, 1);
