@@ -81,23 +81,38 @@ void warn_about_uv(const MaterialReport& m, Warnings& warnings) {
                "they get a single texel; unwrap them if they are seen");
 }
 
-void warn_about_pictures(const MaterialReport& m, bool are_some_missing, Warnings& warnings) {
+/// What to do in a scan of the file's format.
+struct PictureMends {
+  std::string diffuse, cut_out;
+};
+
+PictureMends picture_mends(const std::string& file) {
+  const bool is_obj =
+      file.size() > 4 && (file.substr(file.size() - 4) == ".obj" || file.substr(file.size() - 4) == ".OBJ");
+  if (is_obj)
+    return {"add map_Kd to the .mtl, or its albedo is one colour",
+            "add map_d -imfchan m with the same picture to the .mtl, or remove the alpha channel"};
+  return {"give it a base colour picture in the program that wrote it, or its albedo is one colour",
+          "set its alphaMode to MASK or BLEND, or remove the alpha channel"};
+}
+
+void warn_about_pictures(const MaterialReport& m, const InspectReport& report, Warnings& warnings) {
+  const PictureMends mends = picture_mends(report.file);
   const std::string who = "material '" + m.name + "': ";
   bool has_diffuse = false, has_alpha = false;
   for (const PictureReport& p : m.pictures) {
     has_diffuse |= p.use == "diffuse";
     has_alpha |= p.use == "alpha";
   }
-  warnings.add(!has_diffuse && !m.has_vertex_colours && m.uv.face_count > 0 && !are_some_missing,
-               who + "no diffuse picture",
-               "add map_Kd to the .mtl (or a base colour texture), or its albedo is one colour");
+  warnings.add(!has_diffuse && !m.has_vertex_colours && m.uv.face_count > 0 && report.missing.empty(),
+               who + "no diffuse picture", mends.diffuse);
   warnings.add(m.uv.face_count == 0, who + "no face uses it", "remove it from the file");
   for (const PictureReport& p : m.pictures) {
     const bool is_cut = p.transparent_share > kTransparentShare;
     warnings.add(
         p.use == "diffuse" && is_cut && !has_alpha,
         who + percent(p.transparent_share) + " of the diffuse picture is transparent, but no cut-out is set",
-        "add map_d -imfchan m with the same picture to the .mtl, or remove the alpha channel");
+        mends.cut_out);
     warnings.add(p.use == "alpha" && p.info.has_alpha && !is_cut,
                  who + "the cut-out picture is opaque everywhere",
                  "remove it: rays would test it for nothing");
@@ -123,7 +138,7 @@ std::vector<Warning> inspect_warnings(const InspectReport& report, bool unit_giv
       "in that unit the scan is " + std::to_string(static_cast<long long>(height_cm + 0.5)) + " cm high",
       "check --unit");
   for (const MaterialReport& material : report.materials) {
-    warn_about_pictures(material, !report.missing.empty(), warnings);
+    warn_about_pictures(material, report, warnings);
     if (material.uv.face_count > 0) warn_about_uv(material, warnings);
   }
   warn_about_mesh(report, warnings);
