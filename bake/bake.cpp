@@ -10,6 +10,7 @@
 #include "bake/texture_set_bake.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 #include "dataset/model/model_files.h"
 #include "dataset/model/progress.h"
 
@@ -216,7 +217,7 @@ BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const Materi
     progress.add();
   }
   write_model_mesh(folder, mesh.model, entries);
-  write_file_atomically(folder / "report.json", to_json(report).dump(2) + "\n");
+  write_file_atomically(folder / "report.json", json_text(to_json(report), 2) + "\n");
   return report;
 }
 

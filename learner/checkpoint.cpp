@@ -4,6 +4,7 @@
 #include <map>
 
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 #include "learner/safetensors.h"
 
 namespace ohb {
@@ -37,7 +38,7 @@ json header_of(const TensorFile& content, const fs::path& file) {
   };
   const auto text = content.metadata.find(kHeaderKey);
   if (text == content.metadata.end()) throw refuse("is not of a humanmaterial checkpoint");
-  const json header = json::parse(text->second, nullptr, false);
+  const json header = parse_json(text->second, file.string() + ": header");
   if (!header.is_object()) throw refuse("is no JSON");
   const auto number = [&](const char* key) {
     if (!header.contains(key) || !header[key].is_number())
@@ -85,7 +86,7 @@ fs::path checkpoint_file(const fs::path& run, int64_t step) {
 
 void save_checkpoint(const fs::path& run, const json& header, AdamW& optimiser, int keep) {
   TensorFile content;
-  content.metadata[kHeaderKey] = header.dump();
+  content.metadata[kHeaderKey] = json_text(header);
   for (const AdamW::State& s : optimiser.states()) {
     content.tensors.emplace_back(kModel + s.name, s.parameter);
     content.tensors.emplace_back(kFirst + s.name, s.first);
@@ -98,7 +99,7 @@ void save_checkpoint(const fs::path& run, const json& header, AdamW& optimiser, 
 
 void save_weights(const fs::path& file, const json& header, const Network& network) {
   TensorFile content;
-  content.metadata[kHeaderKey] = header.dump();
+  content.metadata[kHeaderKey] = json_text(header);
   for (const auto& item : network.module().named_parameters())
     content.tensors.emplace_back(kModel + item.key(), item.value().detach().to(torch::kHalf));
   write_tensors(file, content);

@@ -7,6 +7,7 @@
 #include "dataset/model/atomic_folder.h"
 #include "dataset/model/camera.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 
 namespace ohb {
 namespace fs = std::filesystem;
@@ -149,7 +150,7 @@ EstimateReport estimate(const EstimateOptions& options) {
   const PictureFrame frame = frame_of(mask, report.crop, options.person_height_cm);
   write_pngs(folder.path(), maps, foreground);
   write_maps_exr(folder.path() / "maps.exr", maps, foreground.mask, frame);
-  write_file_atomically(folder.path() / "maps.json", maps_json(options, report, frame).dump(2) + "\n");
+  write_file_atomically(folder.path() / "maps.json", json_text(maps_json(options, report, frame), 2) + "\n");
   folder.commit();
   return report;
 }

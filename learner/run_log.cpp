@@ -3,9 +3,11 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <sstream>
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 
 namespace ohb {
 namespace {
@@ -13,15 +15,26 @@ namespace {
 constexpr double kRedraw_s = 0.2, kLine_s = 60;
 constexpr int kBarWidth = 20;
 
+/// Torn lines of a run that was killed, and what others wrote there, are dropped.
+bool is_kept(const std::string& line, int64_t last_step) {
+  try {
+    const nlohmann::json event = parse_json(line, "log.jsonl");
+    return event.is_object() && event.value("step", int64_t{0}) <= last_step;
+  } catch (const InputError&) {
+    return false;
+  } catch (const nlohmann::json::exception&) {  // a step that is no number
+    return false;
+  }
+}
+
 }  // namespace
 
 RunLog::RunLog(const std::filesystem::path& file, int64_t last_step) {
   std::string kept;
   if (std::filesystem::exists(file)) {
-    std::ifstream old(file);
+    std::istringstream old(read_file(file));
     for (std::string line; std::getline(old, line);) {
-      const nlohmann::json event = nlohmann::json::parse(line, nullptr, false);
-      if (event.is_object() && event.value("step", int64_t{0}) <= last_step) kept += line + "\n";
+      if (is_kept(line, last_step)) kept += line + "\n";
     }
   }
   write_file_atomically(file, kept);
@@ -30,7 +43,7 @@ RunLog::RunLog(const std::filesystem::path& file, int64_t last_step) {
 }
 
 void RunLog::add(const nlohmann::json& event) {
-  stream_ << event.dump() << "\n" << std::flush;
+  stream_ << json_text(event) << "\n" << std::flush;
 }
 
 TrainProgress::TrainProgress(int64_t first_step, int64_t steps, bool quiet)

@@ -7,6 +7,7 @@
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 
 namespace ohb {
 namespace fs = std::filesystem;
@@ -41,7 +42,7 @@ std::string header_of(const TensorFile& content) {
         {"dtype", type->name}, {"shape", tensor.sizes().vec()}, {"data_offsets", {at, at + tensor.nbytes()}}};
     at += tensor.nbytes();
   }
-  std::string text = header.dump();
+  std::string text = json_text(header);
   text.resize((text.size() + 7) / 8 * 8, ' ');  // so that the numbers are aligned
   return text;
 }
@@ -93,17 +94,7 @@ json parsed_header(const std::string& bytes, const fs::path& file) {
     refuse(file, "header",
            "claims " + std::to_string(length) + " bytes, the file has " + std::to_string(bytes.size()));
   const char* begin = bytes.data() + sizeof length;
-  // A depth limit: nested brackets would overflow the parser's stack.
-  const auto shallow = [](int depth, json::parse_event_t, json&) {
-    if (depth > 4) throw std::runtime_error("nested too deeply");
-    return true;
-  };
-  json header;
-  try {
-    header = json::parse(begin, begin + length, shallow);
-  } catch (const std::exception&) {
-    refuse(file, "header", "is not the JSON of a safetensors file");
-  }
+  const json header = parse_json(std::string_view(begin, length), file.string() + ": header", {4});
   if (!header.is_object()) refuse(file, "header", "is not the JSON of a safetensors file");
   return header;
 }

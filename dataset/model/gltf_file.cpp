@@ -4,6 +4,7 @@
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 #include "dataset/model/scan_readers.h"
 
 namespace ohb {
@@ -12,6 +13,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kExportAgain = kGltfExportAgain;
+constexpr JsonLimits kJsonLimits{128, size_t{1} << 24};
 constexpr const char* kTruncated = kGltfTruncated;
 
 uint32_t little_endian(const char* bytes) {
@@ -144,11 +146,7 @@ void GltfFile::read_container(const std::string& content) {
 
 void GltfFile::read_json(std::string_view text) {
   if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
-  try {
-    root_ = json::parse(text.begin(), text.end());
-  } catch (const json::parse_error& error) {
-    fail("JSON", "byte " + std::to_string(error.byte) + " cannot be parsed", kExportAgain);
-  }
+  root_ = parse_json(text, file_.string(), kJsonLimits);
   if (!root_.is_object()) fail("JSON", "is no object", kExportAgain);
 }
 

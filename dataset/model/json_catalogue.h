@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 
 namespace ohb {
 
@@ -19,8 +19,8 @@ std::vector<Case> read_json_catalogue(const std::filesystem::path& file, const s
                                       Case (*case_of)(const nlohmann::json&)) {
   std::vector<Case> catalogue;
   std::string place = "the file";
+  const nlohmann::json whole = read_json(file);
   try {
-    const nlohmann::json whole = nlohmann::json::parse(read_file(file));
     for (const nlohmann::json& each : whole.at("cases")) {
       place = fmt::format("case {}", catalogue.size() + 1);
       if (each.contains("name")) place += fmt::format(" ({})", each.at("name").get<std::string>());

@@ -6,6 +6,7 @@
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 
 namespace ohb {
 namespace fs = std::filesystem;
@@ -57,7 +58,7 @@ std::optional<SampleListing> read_sample_listing(const fs::path& folder) {
   const fs::path file = folder / "render.json";
   if (!fs::exists(file)) return std::nullopt;
   try {
-    const auto json = nlohmann::ordered_json::parse(read_file(file));
+    const auto json = parse_json<nlohmann::ordered_json>(read_file(file), file.string(), kListingLimits);
     if (!json.is_object() || !json.contains("identity")) return std::nullopt;
     return listing_of(json);
   } catch (const nlohmann::json::exception&) {

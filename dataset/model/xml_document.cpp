@@ -8,6 +8,11 @@
 #include "dataset/model/atomic_file.h"
 
 namespace ohb {
+namespace {
+
+constexpr int kMaxDepth = 64;  // ours have five
+
+}  // namespace
 
 XmlDocument::XmlDocument(const std::filesystem::path& file, const std::string& root_name)
     : file_(file), content_(read_file(file)) {
@@ -16,11 +21,27 @@ XmlDocument::XmlDocument(const std::filesystem::path& file, const std::string& r
   if (!result)
     throw InputError(file.string(), line_of(result.offset),
                      "not well-formed XML: " + std::string(result.description()), "correct the XML");
+  expect_shallow();
   root_ = document_.document_element();
   if (root_.name() != root_name)
     throw error(root_,
                 "the root element is <" + std::string(root_.name()) + ">, expected <" + root_name + ">",
                 "give a file of the right kind");
+}
+
+void XmlDocument::expect_shallow() const {
+  int depth = 0;
+  for (pugi::xml_node node = document_.first_child(); node && node != document_;) {
+    if (node.first_child()) {
+      node = node.first_child();
+      if (++depth > kMaxDepth)
+        throw error(node, "elements are nested deeper than " + std::to_string(kMaxDepth) + " levels",
+                    "it is damaged, or no file for this program");
+      continue;
+    }
+    while (!node.next_sibling() && node.parent() != document_) node = node.parent(), --depth;
+    node = node.next_sibling();
+  }
 }
 
 std::string XmlDocument::line_of(ptrdiff_t offset) const {

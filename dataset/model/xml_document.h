@@ -18,7 +18,7 @@ namespace ohb {
 class XmlDocument {
  public:
   /// Parses `file`, whose root element must be `root_name`. Throws InputError: no such file, not
-  /// well-formed, another root.
+  /// well-formed, nested too deeply, another root.
   XmlDocument(const std::filesystem::path& file, const std::string& root_name);
 
   pugi::xml_node root() const { return root_; }
@@ -44,6 +44,7 @@ class XmlDocument {
 
  private:
   std::string line_of(ptrdiff_t offset) const;
+  void expect_shallow() const;
 
   std::filesystem::path file_;
   std::string content_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "dataset/model/json_text.h"
 #include "dataset/production/bake_fidelity.h"
 #include "renderer/validation/gnuplot.h"
 
@@ -110,7 +111,7 @@ std::string fidelity_json(const BakeFidelity& fidelity) {
                                  {"words", where_it_fails(fidelity)},
                                  {"passes", fidelity.passes()}};
   for (const FidelityPoint& p : fidelity.points) json["points"].push_back(point_json(p));
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 void draw_fidelity(const BakeFidelity& fidelity, const std::filesystem::path& folder) {

@@ -8,6 +8,7 @@
 #include "dataset/model/atomic_folder.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 #include "dataset/model/mesh_topology.h"
 #include "dataset/model/model_files.h"
 #include "dataset/model/scan_unit.h"
@@ -162,7 +163,8 @@ BakeScanReport bake_scan(const BakeJob& job) {
   for (size_t i = 0; i < report.delight.divisors.size(); ++i)
     write_divisor(folder.path() / "maps" / report.delight.set_folders[i] / "divisor.png",
                   report.delight.divisors[i]);
-  if (job.delights) write_file_atomically(folder.path() / "report.json", to_json(report).dump(2) + "\n");
+  if (job.delights)
+    write_file_atomically(folder.path() / "report.json", json_text(to_json(report), 2) + "\n");
   folder.commit();
   return report;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "dataset/model/json_text.h"
 #include "dataset/production/bake_stress.h"
 #include "renderer/validation/gnuplot.h"
 
@@ -94,7 +95,7 @@ std::string bake_stress_json(const std::vector<BakeStressCaseResult>& results) {
                              {"points", points}});
   }
   json["passes"] = passes;
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 void draw_bake_stress(const std::vector<BakeStressCaseResult>& results, const std::filesystem::path& folder) {

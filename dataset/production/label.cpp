@@ -9,6 +9,7 @@
 #include "dataset/model/atomic_folder.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 #include "dataset/model/scan_unit.h"
 #include "dataset/production/label_maps.h"
 #include "dataset/production/picture_files.h"
@@ -197,9 +198,7 @@ std::vector<std::string> class_order_of(const fs::path& faces, const fs::path& s
   for (fs::path candidate : {without_labels, scan.parent_path() / scan.stem()}) {
     candidate += ".json";
     if (!fs::is_regular_file(candidate)) continue;
-    const nlohmann::json json = nlohmann::json::parse(read_file(candidate), nullptr, false);
-    if (json.is_discarded())
-      throw InputError(candidate.string(), "", "is not well-formed JSON", "correct it");
+    const nlohmann::json json = read_json(candidate);
     if (!json.is_object() || !json.contains("classes")) continue;
     const nlohmann::json& classes = json["classes"];
     const bool is_list =
@@ -244,7 +243,7 @@ LabelReport label_scan(const LabelJob& job) {
   write_regions(folder.path(), regions);
   if (!job.strokes.empty()) write_file_atomically(folder.path() / "strokes.xml", read_file(job.strokes));
   write_maps(folder.path(), scan, job, labels, report);
-  write_file_atomically(folder.path() / "report.json", to_json(report).dump(2) + "\n");
+  write_file_atomically(folder.path() / "report.json", json_text(to_json(report), 2) + "\n");
   write_file_atomically(folder.path() / "report.txt", to_text(report));
   folder.commit();
   return report;

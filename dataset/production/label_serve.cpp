@@ -10,6 +10,7 @@
 #include "dataset/labelling/labeller.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 #include "dataset/model/scan_unit.h"
 
 namespace ohb {
@@ -172,9 +173,8 @@ bool next_request(std::istream& in, std::string& line) {
   return has_any;
 }
 
-/// Text that is not UTF-8 (a file name in a message) must not end the conversation.
 std::string line_of(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_text(json) + "\n";
 }
 
 }  // namespace
@@ -187,14 +187,19 @@ void serve_labels(const LabelServeJob& job, std::istream& in, std::ostream& out)
     Json answer;
     try {
       if (line.size() > kMaxRequest_bytes) throw request_error("is longer than 1 MiB", "thin its points out");
-      const Json request = Json::parse(line, nullptr, false);
-      if (request.is_discarded() || !request.is_object())
-        throw request_error("is no JSON object", "write one object a line");
+      const Json request = parse_json<Json>(line, "request");
+      if (!request.is_object()) throw request_error("is no JSON object", "write one object a line");
       if (request.contains("id")) answer["id"] = request["id"];
       if (request.value("do", Json()) == "quit") return;
       answer.update(session.answer(request));
-    } catch (const std::runtime_error& error) {
+    } catch (const InputError& error) {
       answer["error"] = error.what();
+    } catch (const TryAgainError& error) {
+      answer["error"] = error.what();
+    } catch (const std::filesystem::filesystem_error& error) {  // of a name to save under
+      answer["error"] = error.what();
+    } catch (const std::bad_alloc&) {
+      answer["error"] = "not enough memory";
     }
     out << line_of(answer) << std::flush;
   }

@@ -136,6 +136,9 @@ ViewList parse_views(const std::string& text) {
     for (const std::string_view part : split(std::string_view(text).substr(colon + 1), ',')) {
       int index = -1;
       if (!parse_number(part, index) || index < 0 || index >= views.count) fail();
+      if (std::find(views.indices.begin(), views.indices.end(), index) != views.indices.end())
+        throw InputError("", "--views " + text, "names view " + std::to_string(index) + " twice",
+                         "name it once");
       views.indices.push_back(index);
     }
   return views;

@@ -9,6 +9,7 @@
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/atomic_folder.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 #include "dataset/model/sample_listing.h"
 
 namespace ohb {
@@ -216,7 +217,7 @@ SampleOutput::SampleOutput(const fs::path& folder, ExrAttributes settings, bool 
     remove_views();
   }
   if (read_sample_listing(folder)) {
-    json_ = ordered_json::parse(read_file(folder / "render.json"));
+    json_ = parse_json<ordered_json>(read_file(folder / "render.json"), "render.json", kListingLimits);
     ordered_json views = ordered_json::array();
     for (ordered_json& row : json_["views"])
       if (fs::exists(folder / row["file"].get<std::string>())) {
@@ -306,7 +307,7 @@ void SampleOutput::add(const RenderedView& view, const RenderJob& job, const Ren
 }
 
 void SampleOutput::write() const {
-  write_file_atomically(folder_ / "render.json", json_.dump(2) + "\n");
+  write_file_atomically(folder_ / "render.json", json_text(json_, 2) + "\n");
 }
 
 }  // namespace ohb

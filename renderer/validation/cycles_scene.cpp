@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/json_text.h"
 #include "renderer/sampling.h"
 
 namespace ohb {
@@ -167,7 +168,7 @@ void write_cycles_scene(const fs::path& folder, const CyclesScene& scene) {
   for (size_t i = 0; i < scene.model->sets.size(); ++i)
     description["texture_sets"].push_back(write_texture_set(folder, scene.model->sets[i], i));
   for (const CyclesPass& pass : scene.passes) description["passes"].push_back(describe_pass(pass));
-  write_file_atomically(folder / "scene.json", description.dump(1) + "\n");
+  write_file_atomically(folder / "scene.json", json_text(description, 1) + "\n");
 }
 
 }  // namespace ohb

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "dataset/model/json_text.h"
 #include "renderer/validation/gnuplot.h"
 #include "renderer/validation/speed_accuracy.h"
 
@@ -108,7 +109,7 @@ std::string speed_accuracy_json(const SpeedAccuracy& chart) {
                                             {"relative_error", r.relative_error},
                                             {"cycles_over_ours", r.with_loading},
                                             {"cycles_over_ours_without_loading", r.without_loading}});
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 void draw_speed_accuracy(const SpeedAccuracy& chart, const fs::path& folder) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "dataset/model/json_text.h"
 #include "renderer/validation/gnuplot.h"
 #include "renderer/validation/stress.h"
 
@@ -113,7 +114,7 @@ std::string stress_json(const std::vector<StressCaseResult>& results) {
                              {"points", points}});
   }
   json["passes"] = passes;
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 void draw_stress(const std::vector<StressCaseResult>& results, const std::filesystem::path& folder) {

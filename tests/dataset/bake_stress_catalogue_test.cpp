@@ -59,7 +59,7 @@ TEST(BakeStressCatalogue, BadCataloguesAreRefused) {
   const auto message_of = [&](const std::string& text) {
     return input_error_of([&] { read_bake_stress_catalogue(write_bytes(folder / "c.json", text)); });
   };
-  expect_message(message_of("{"), {"c.json", "parse"});
+  expect_message(message_of("{"), {"c.json: line 1", "well-formed"});
   expect_message(message_of(R"({"cases": [{"name": "x"}]})"), {"c.json", "case 1 (x)", "scene"});
   expect_message(
       message_of(

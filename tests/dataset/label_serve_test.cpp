@@ -99,9 +99,9 @@ TEST(LabelServe, WhatItSavesLabelsTheSameAgain) {
 TEST(LabelServe, WrongLinesAreAnsweredInWordsAndChangeNothing) {
   const Conversation talk;
   const std::vector<std::pair<std::string, std::string>> wrong = {
-      {"hello", "is no JSON object"},
+      {"hello", "is not well-formed JSON"},
       {"[1,2]", "is no JSON object"},
-      {"{\"do\":\"stroke\"", "is no JSON object"},
+      {"{\"do\":\"stroke\"", "is not well-formed JSON"},
       {"{}", "has no \"do\""},
       {"{\"do\":5}", "\"do\" is no text"},
       {"{\"do\":\"dance\"}", "\"dance\" is not known"},
@@ -119,6 +119,11 @@ TEST(LabelServe, WrongLinesAreAnsweredInWordsAndChangeNothing) {
        "cm away from its face 0"},
       {"{\"do\":\"save\",\"file\":\"/nowhere/at/all/s.xml\"}", "/nowhere"},
       {"{\"do\":\"\xff\"}", ""},
+      // Brackets that would use up the stack of whoever copies or prints them.
+      {"{\"do\":\"undo\",\"id\":" + std::string(100000, '[') + std::string(100000, ']') + "}",
+       "deeper than 64"},
+      {"{\"do\":\"undo\",\"id\":" + std::string(500000, '['), "deeper than 64"},
+      {"{\"do\":\"save\",\"file\":\"" + std::string(5000, 'n') + "\"}", "name too long"},
       {std::string(kMaxRequest_bytes + 10, 'x'), "longer than 1 MiB"}};
   std::string requests = "\n";
   for (const auto& [line, message] : wrong) requests += line + "\n";
