@@ -5,6 +5,7 @@
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 
 namespace ohb {
 namespace fs = std::filesystem;
@@ -47,6 +48,17 @@ CyclesRender read_render(const fs::path& renders, const json& row) {
   return render;
 }
 
+/// From our script's lines, "progress 3 16", and Blender's own of the image under way, "... | Sample 12/128".
+double images_done(const std::string& line, size_t& finished) {
+  size_t images = 0, total = 0, sample = 0, samples = 0;
+  if (std::sscanf(line.c_str(), "progress %zu %zu", &images, &total) == 2) finished = images;
+  const size_t at = line.rfind("Sample ");
+  const bool is_inside = at != std::string::npos &&
+                         std::sscanf(line.c_str() + at, "Sample %zu/%zu", &sample, &samples) == 2 &&
+                         sample < samples;
+  return static_cast<double>(finished) + (is_inside ? static_cast<double>(sample) / samples : 0);
+}
+
 void run_or_throw(const std::vector<std::string>& arguments, const std::string& mend) {
   const ProcessResult result = run_process(arguments, {}, nullptr);
   if (result.exit_code != 0)
@@ -54,13 +66,14 @@ void run_or_throw(const std::vector<std::string>& arguments, const std::string& 
 }
 
 CyclesRun read_report(const fs::path& renders) {
-  const json report = json::parse(read_file(renders / "report.json"));
+  const json report = read_json(renders / "report.json");
   CyclesRun run;
   run.version = report.at("versions").at("blender");
   run.load_s = report.at("build_s").get<double>() + report.at("load_s").get<double>();
   run.load_cpu_s = report.at("load_cpu_s");
   for (const json& row : report.at("settings"))
-    run.settings.push_back({row.at("name"), row.at("wanted").dump(), row.at("found").dump(), row.at("same")});
+    run.settings.push_back(
+        {row.at("name"), json_text(row.at("wanted")), json_text(row.at("found")), row.at("same")});
   for (const json& pass : report.at("passes")) {
     run.passes.emplace_back();
     for (const json& row : pass) run.passes.back().push_back(read_render(renders, row));
@@ -107,28 +120,18 @@ void install_bpy(const fs::path& environment) {
 }
 
 CyclesRun run_cycles(const Blender& blender, const fs::path& folder, int threads,
-                     const std::function<void(size_t, size_t)>& done) {
+                     const std::function<void(double images)>& done) {
   // Its temporary files and user settings stay inside the folder.
   const fs::path inside = folder / "blender";
+  size_t finished = 0;
   fs::create_directories(inside);
-  const ProcessResult result =
-      run_in_blender(blender, "blender_addon/validation_scene.py",
-                     {(folder / "scene.json").string(), std::to_string(threads)}, threads, inside,
-                     [&](const std::string& line) {
-                       size_t rendered = 0, total = 0;
-                       if (done && std::sscanf(line.c_str(), "progress %zu %zu", &rendered, &total) == 2)
-                         done(rendered, total);
-                     });
+  const ProcessResult result = run_in_blender(blender, "blender_addon/validation_scene.py",
+                                              {(folder / "scene.json").string(), std::to_string(threads)},
+                                              threads, inside, [&](const std::string& line) {
+                                                if (done) done(images_done(line, finished));
+                                              });
   fs::remove_all(inside);
-  if (result.exit_code > 128)
-    throw TryAgainError(blender.program.string(),
-                        "was ended by signal " + std::to_string(result.exit_code - 128),
-                        "run the command again, with a smaller --size if memory was short");
-  if (result.exit_code != 0)
-    throw InputError(
-        blender.program.string(), "",
-        "stopped with code " + std::to_string(result.exit_code) + " (" + reason_of(result.last_lines) + ")",
-        "check that it renders by itself");
+  if (result.exit_code != 0) throw_blender_failure(blender, result);
   return read_report(folder / "renders");
 }
 

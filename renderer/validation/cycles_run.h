@@ -44,10 +44,11 @@ struct CyclesRun {
   std::vector<CyclesSetting> settings;
 };
 
-/// Renders folder/scene.json with blender_addon/validation_scene.py; `done(images, of)` follows the work.
+/// Renders folder/scene.json with blender_addon/validation_scene.py; `done` hears how many
+/// images are done, parts of one included.
 /// threads 0: all. The renders stay in folder/renders. Throws InputError with Blender's last line if it
 /// fails.
 CyclesRun run_cycles(const Blender& blender, const std::filesystem::path& folder, int threads,
-                     const std::function<void(size_t, size_t)>& done = nullptr);
+                     const std::function<void(double images)>& done = nullptr);
 
 }  // namespace ohb

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/json_text.h"
 #include "renderer/validation/pictures.h"
 #include "renderer/validation/report_pictures.h"
 
@@ -73,12 +74,13 @@ std::string validation_json(const Validation& v) {
   for (const RegionResult& region : v.regions) regions.push_back(to_json(region, limits));
   for (const CyclesSetting& setting : v.blender_settings)
     blender.push_back({{"name", setting.name},
-                       {"wanted", json::parse(setting.wanted)},
-                       {"found", json::parse(setting.found)},
+                       {"wanted", parse_json<json>(setting.wanted, setting.name)},
+                       {"found", parse_json<json>(setting.found, setting.name)},
                        {"same", setting.same}});
   const SpeedRatio speed = speed_at_equal_error(v);
   const json result = {
       {"verdict", word_of(v.verdict.outcome)},
+      {"sentence", v.verdict.sentence},
       {"reasons", v.verdict.reasons},
       {"model", v.model_name},
       {"environment", v.environment_name},
@@ -97,9 +99,10 @@ std::string validation_json(const Validation& v) {
       {"coverage", {{"ours", v.coverage_ours}, {"cycles", v.coverage_cycles}}},
       {"cost", {{"ours", to_json(v.our_cost)}, {"cycles", to_json(v.cycles_cost)}}},
       {"speed_at_equal_error", {{"wall", speed.wall}, {"cpu", speed.cpu}}},
+      {"seconds", v.seconds},
       {"nonfinite", v.nonfinite},
       {"blender_settings", blender}};
-  return result.dump(1) + "\n";
+  return json_text(result, 1) + "\n";
 }
 
 void write_validation(const fs::path& folder, const Validation& v) {

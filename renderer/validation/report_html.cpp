@@ -19,7 +19,7 @@ figcaption { font-size: .9rem; color: #444; }
 .scale { height: .8rem; border: 1px solid #ccc; } .ends { display: flex; justify-content: space-between; font-size: .85rem; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; font-size: .92rem; }
 th, td { padding: .25rem .6rem; text-align: right; border-bottom: 1px solid #e3e3e3; } th:first-child, td:first-child { text-align: left; }
-.bad { color: #b2182b; font-weight: 600; } .dim { color: #777; }
+.bad { color: #b2182b; font-weight: 600; } .unsure { color: #8a6100; font-weight: 600; } .dim { color: #777; }
 details { margin-top: 1rem; } summary { cursor: pointer; }
 )";
 
@@ -65,11 +65,9 @@ std::string verdict_block(const Validation& v) {
   const char* name = outcome == Outcome::kPass        ? "pass"
                      : outcome == Outcome::kUndecided ? "undecided"
                                                       : "difference";
-  const char* title = outcome == Outcome::kPass ? "Pass: both renderers compute the same image."
-                      : outcome == Outcome::kUndecided
-                          ? "Undecided: no difference was shown, and none excluded."
-                          : "A difference was found.";
-  std::string html = fmt::format("<div class=\"verdict {}\"><strong>{}</strong>", name, title);
+  std::string title = v.verdict.sentence + ".";
+  title[0] = static_cast<char>(std::toupper(title[0]));
+  std::string html = fmt::format("<div class=\"verdict {}\"><strong>{}</strong>", name, escaped(title));
   for (const std::string& reason : v.verdict.reasons) html += "<br>" + escaped(reason);
   return html + "</div>\n";
 }
@@ -98,13 +96,14 @@ std::string region_row(const RegionResult& result, const ValidationThresholds& l
   const RegionRatio& region = result.ratio;
   const bool judged = is_judged(region, limits) && region.name != "outline";
   const bool good = region.total.low >= 1 - limits.ratio && region.total.high <= 1 + limits.ratio;
+  const bool is_outside = region.total.low > 1 + limits.ratio || region.total.high < 1 - limits.ratio;
+  const char* look = !judged || good ? "" : is_outside ? "bad" : "unsure";
   std::string row =
       fmt::format("<tr><td>{}{}</td><td>{:.0f}</td><td>{} x {}</td><td>{} x {}</td>", escaped(region.name),
                   judged ? "" : " <span class=\"dim\">(not judged)</span>", region.weight_px,
                   result.work.seeds, result.work.our_spp, result.work.seeds, result.work.cycles_spp);
-  row += fmt::format("<td class=\"{}\">{}</td><td>{} to {}</td>", judged && !good ? "bad" : "",
-                     percent(region.total.value - 1), percent(region.total.low - 1),
-                     percent(region.total.high - 1));
+  row += fmt::format("<td class=\"{}\">{}</td><td>{} to {}</td>", look, percent(region.total.value - 1),
+                     percent(region.total.low - 1), percent(region.total.high - 1));
   for (const Interval& channel : region.channel) row += "<td>" + percent(channel.value - 1) + "</td>";
   return row + "</tr>\n";
 }

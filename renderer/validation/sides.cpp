@@ -1,12 +1,30 @@
 #include "renderer/validation/sides.h"
 
+#include <algorithm>
+#include <optional>
+
 #include "dataset/model/parallel.h"
-#include "dataset/model/progress.h"
 #include "renderer/sampling.h"
 #include "renderer/validation/stopwatch.h"
 
 namespace ohb {
 namespace {
+
+/// The bar that is shared, or one of its own.
+class Bar {
+ public:
+  Bar(Progress* shared, const char* label, size_t images) {
+    if (!shared) own_.emplace(label, images * kStepsOfImage);
+    bar_ = shared ? shared : &*own_;
+  }
+  Progress& operator*() { return *bar_; }
+
+ private:
+  std::optional<Progress> own_;
+  Progress* bar_;
+};
+
+}  // namespace
 
 size_t image_count(const std::vector<CyclesPass>& passes) {
   size_t count = 0;
@@ -14,16 +32,16 @@ size_t image_count(const std::vector<CyclesPass>& passes) {
   return count;
 }
 
-}  // namespace
-
 CyclesSide render_cycles_side(const CyclesScene& scene, const Blender& blender, int threads,
-                              const std::filesystem::path& scratch) {
+                              const std::filesystem::path& scratch, Progress* shared) {
   write_cycles_scene(scratch, scene);
-  Progress progress("Cycles", image_count(scene.passes));
+  Bar bar(shared, "Cycles", image_count(scene.passes));
   size_t drawn = 0;
-  CyclesRun run = run_cycles(blender, scratch, threads, [&](size_t done, size_t) {
-    progress.add(done - drawn);
-    drawn = done;
+  CyclesRun run = run_cycles(blender, scratch, threads, [&](double images) {
+    const size_t steps =
+        std::min(static_cast<size_t>(images * kStepsOfImage), image_count(scene.passes) * kStepsOfImage);
+    if (steps > drawn) (*bar).add(steps - drawn);
+    drawn = std::max(drawn, steps);
   });
   CyclesSide side;
   side.settings = std::move(run.settings);
@@ -65,8 +83,8 @@ Sample OurRenderer::maps() const {
   return render_maps(*built_, scene_.camera, scene_.turn_rad, settings());
 }
 
-ImageStack OurRenderer::render_pass(const CyclesPass& pass, uint64_t seed,
-                                    std::atomic<uint64_t>& nonfinite) const {
+ImageStack OurRenderer::render_pass(const CyclesPass& pass, uint64_t seed, std::atomic<uint64_t>& nonfinite,
+                                    Progress& progress) const {
   ImageStack stack(pass.seeds.size());
   const auto render_seed = [&](int k) {
     RenderSettings settings = this->settings();
@@ -82,6 +100,7 @@ ImageStack OurRenderer::render_pass(const CyclesPass& pass, uint64_t seed,
     }
     stack[static_cast<size_t>(k)] = std::move(sum);
     nonfinite += statistics.nonfinite;
+    progress.add(kStepsOfImage);
   };
   const int count = static_cast<int>(pass.seeds.size());
   if (pass.boxes.empty())
@@ -91,19 +110,18 @@ ImageStack OurRenderer::render_pass(const CyclesPass& pass, uint64_t seed,
   return stack;
 }
 
-OurSide OurRenderer::render(const std::vector<CyclesPass>& passes, uint64_t seed) const {
+OurSide OurRenderer::render(const std::vector<CyclesPass>& passes, uint64_t seed, Progress* shared) const {
   OurSide side;
-  Progress progress("ours", image_count(passes));
+  Bar bar(shared, "ours", image_count(passes));
   std::atomic<uint64_t> nonfinite{0};
   for (size_t i = 0; i < passes.size(); ++i) {
     const Stopwatch watch;
-    side.passes.push_back(render_pass(passes[i], mix_bits(mix_bits(seed) + i), nonfinite));
+    side.passes.push_back(render_pass(passes[i], mix_bits(mix_bits(seed) + i), nonfinite, *bar));
     SideCost cost;
     cost.load_s = load_s_;
     cost.wall_s = watch.wall_s() / static_cast<double>(passes[i].seeds.size());
     cost.cpu_s = watch.cpu_s() / static_cast<double>(passes[i].seeds.size());
     side.pass_costs.push_back(cost);
-    progress.add(passes[i].seeds.size());
   }
   side.cost = side.pass_costs.front();
   side.nonfinite = nonfinite;

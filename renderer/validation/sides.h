@@ -4,6 +4,7 @@
 #include <atomic>
 #include <filesystem>
 
+#include "dataset/model/progress.h"
 #include "renderer/validation/cycles_run.h"
 #include "renderer/validation/cycles_scene.h"
 #include "renderer/validation/statistics.h"
@@ -16,7 +17,12 @@ struct SideCost {
   double mean_squared_error = 0;  // of one image: mean of the variance over foreground pixels and channels
 };
 
-/// The passes' images in Cycles (4 channels), with progress on stderr. Throws as run_cycles.
+/// What one image of either side counts in a bar of progress.
+constexpr size_t kStepsOfImage = 100;
+size_t image_count(const std::vector<CyclesPass>& passes);
+
+/// The passes' images in Cycles (4 channels). Progress goes to `shared`, or to a bar of its own. Throws as
+/// run_cycles.
 struct CyclesSide {
   std::vector<ImageStack> passes;
   SideCost cost;                     // of the first pass
@@ -24,7 +30,7 @@ struct CyclesSide {
   std::vector<CyclesSetting> settings;
 };
 CyclesSide render_cycles_side(const CyclesScene& scene, const Blender& blender, int threads,
-                              const std::filesystem::path& scratch);
+                              const std::filesystem::path& scratch, Progress* shared = nullptr);
 
 /// The passes' images here (3 channels). `seed` is hashed with the number of pass and image.
 struct OurSide {
@@ -38,10 +44,11 @@ class OurRenderer {
   explicit OurRenderer(const CyclesScene& scene);
   /// Mask, classes and the other maps of the view.
   Sample maps() const;
-  OurSide render(const std::vector<CyclesPass>& passes, uint64_t seed) const;
+  OurSide render(const std::vector<CyclesPass>& passes, uint64_t seed, Progress* shared = nullptr) const;
 
  private:
-  ImageStack render_pass(const CyclesPass& pass, uint64_t seed, std::atomic<uint64_t>& nonfinite) const;
+  ImageStack render_pass(const CyclesPass& pass, uint64_t seed, std::atomic<uint64_t>& nonfinite,
+                         Progress& progress) const;
   RenderSettings settings() const;
 
   const CyclesScene& scene_;

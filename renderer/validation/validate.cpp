@@ -1,11 +1,13 @@
 #include "renderer/validation/validate.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "dataset/model/regions.h"
 #include "renderer/sampling.h"
 #include "renderer/validation/focus.h"
+#include "renderer/validation/stopwatch.h"
 
 namespace ohb {
 namespace {
@@ -115,8 +117,11 @@ void focus(CyclesScene& scene, const Blender& blender, const OurRenderer& render
     our_passes.push_back(one.pass);
     our_passes.back().spp = one.work.our_spp;
   }
-  const CyclesSide cycles = render_cycles_side(scene, blender, v.settings.threads, scratch);
-  const OurSide ours = renderer.render(our_passes, v.settings.seed ^ kFocusSeeds);
+  std::string names;
+  for (const Focus& one : focused) names += (names.empty() ? "" : ", ") + regions[one.region].name;
+  Progress progress("again, with more paths: " + names, 2 * kStepsOfImage * image_count(our_passes));
+  const CyclesSide cycles = render_cycles_side(scene, blender, v.settings.threads, scratch, &progress);
+  const OurSide ours = renderer.render(our_passes, v.settings.seed ^ kFocusSeeds, &progress);
   v.nonfinite += ours.nonfinite;
   v.blender_settings.insert(v.blender_settings.end(), cycles.settings.begin(), cycles.settings.end());
   for (size_t i = 0; i < focused.size(); ++i) {
@@ -137,6 +142,7 @@ Validation validate(const Model& model, const Environment& environment, const Va
                     const std::filesystem::path& scratch) {
   const Blender blender = settings.bpy.empty() ? find_blender(settings.blender, settings.shading)
                                                : find_bpy(settings.bpy, settings.shading);
+  const Stopwatch watch;
   Validation v;
   v.model_name = model.name;
   v.environment_name = environment.name;
@@ -145,17 +151,22 @@ Validation validate(const Model& model, const Environment& environment, const Va
   for (const TextureSet& set : model.sets)
     for (const float sss : set.sss.values) v.has_subsurface |= sss > 0;
   CyclesScene scene = scene_of(model, environment, settings);
-  const CyclesSide cycles = render_cycles_side(scene, blender, settings.threads, scratch);
+  // One bar for both sides: the time left is what Cycles took, until ours shows what it takes.
+  std::optional<Progress> progress;
+  progress.emplace("Cycles and ours", 2 * kStepsOfImage * image_count(scene.passes));
+  const CyclesSide cycles = render_cycles_side(scene, blender, settings.threads, scratch, &*progress);
   v.cycles_cost = cycles.cost;
   v.blender_settings = cycles.settings;
   const OurRenderer renderer(scene);
   const Sample maps = renderer.maps();
-  const OurSide ours = renderer.render(scene.passes, settings.seed);
+  const OurSide ours = renderer.render(scene.passes, settings.seed, &*progress);
+  progress.reset();
   v.our_cost = ours.cost;
   v.nonfinite = ours.nonfinite;
   const std::vector<Region> regions = regions_of(maps);
   compare(ours.passes.front(), cycles.passes.front(), regions, maps.mask, v);
   focus(scene, blender, renderer, regions, scratch, v);
+  v.seconds = watch.wall_s();
   v.verdict = judge(v);
   return v;
 }

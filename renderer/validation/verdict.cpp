@@ -2,11 +2,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "renderer/validation/validate.h"
 
 namespace ohb {
 namespace {
+
+constexpr double kAimedHalfWidth = 0.4;  // of the threshold, as validate() aims
+constexpr double kLeastTimesMore = 2;    // less would be left to chance
 
 std::string percent(double value) {
   return fmt::format("{:+.3f} %", 100 * value);
@@ -17,14 +21,96 @@ void worsen(Verdict& verdict, Outcome outcome, const std::string& reason) {
   verdict.reasons.push_back(reason);
 }
 
+/// "skin", "skin and hair", "skin, hair and fabric".
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  return text;
+}
+
+std::string duration(double seconds) {
+  if (seconds < 90) return fmt::format("{:.0f} seconds", std::max(1.0, seconds));
+  if (seconds < 90 * 60) return fmt::format("{:.0f} minutes", seconds / 60);
+  return fmt::format("{:.0f} hours", seconds / 3600);
+}
+
+bool is_outside(const Interval& ratio, const ValidationThresholds& limits) {
+  return ratio.low > 1 + limits.ratio || ratio.high < 1 - limits.ratio;
+}
+
+bool is_inside(const Interval& ratio, const ValidationThresholds& limits) {
+  return ratio.low >= 1 - limits.ratio && ratio.high <= 1 + limits.ratio;
+}
+
+/// How many times the paths that region's interval needs, from the noise that it had.
+double times_more(const RegionResult& result, const Validation& v) {
+  const ValidationThresholds& limits = v.settings.thresholds;
+  const Interval& ratio = result.ratio.total;
+  const double half_width = 0.5 * (ratio.high - ratio.low), target = kAimedHalfWidth * limits.ratio;
+  const double done = static_cast<double>(result.work.seeds) * result.work.cycles_spp /
+                      (static_cast<double>(v.settings.seeds) * v.settings.spp);
+  // Up to `focus` times the paths come by themselves.
+  return done * half_width * half_width / (target * target) / std::max(1.0, v.settings.focus);
+}
+
+/// "`--spp 256`, about 4 minutes": what would decide it. Paths in powers of two, then seeds.
+std::string advice(double times, const Validation& v) {
+  const ValidationSettings& s = v.settings;
+  int spp = s.spp, seeds = std::max(s.seeds, s.thresholds.seeds);
+  const double wanted = times * s.spp * s.seeds;
+  while (spp < kMaxCyclesSpp && static_cast<double>(spp) * seeds < wanted)
+    spp = std::min(2 * spp, kMaxCyclesSpp);
+  if (static_cast<double>(spp) * seeds < wanted)
+    seeds = static_cast<int>(std::min(1024.0, std::ceil(wanted / spp)));
+  std::string options = spp > s.spp ? fmt::format("--spp {}", spp) : "";
+  if (seeds > s.seeds) options += fmt::format("{}--seeds {}", options.empty() ? "" : " ", seeds);
+  const double share = static_cast<double>(spp) * seeds / (static_cast<double>(s.spp) * s.seeds);
+  return fmt::format("`{}`, about {}", options, duration(share * v.seconds));
+}
+
+std::string sentence_of_difference(const Validation& v) {
+  const ValidationThresholds& limits = v.settings.thresholds;
+  std::vector<std::string> found;
+  for (const RegionResult& region : v.regions)
+    if (is_judged(region.ratio, limits) && is_outside(region.ratio.total, limits))
+      found.push_back(fmt::format("{} is {:.2f} % {}", region.ratio.name,
+                                  100 * std::abs(region.ratio.total.value - 1),
+                                  region.ratio.total.value > 1 ? "brighter" : "darker"));
+  if (v.inside_bins.accepted_share < limits.accepted_share)
+    found.push_back(
+        fmt::format("{:.1f} % of the places look different", 100 * (1 - v.inside_bins.accepted_share)));
+  if (v.nonfinite > 0) found.push_back("some of ours is not a number");
+  if (found.empty()) found.push_back("Blender did not keep its settings");
+  return "differs from Cycles: " + listed(found);
+}
+
+std::string sentence_of(const Validation& v, Outcome outcome) {
+  const ValidationThresholds& limits = v.settings.thresholds;
+  const std::string within = fmt::format("within {:.1f} %", 100 * limits.ratio);
+  if (outcome == Outcome::kPass) return "looks the same, " + within + " of Cycles in every region";
+  if (outcome == Outcome::kDifference) return sentence_of_difference(v);
+  std::vector<std::string> noisy;
+  double times = 1;
+  for (const RegionResult& region : v.regions)
+    if (is_judged(region.ratio, limits) && !is_inside(region.ratio.total, limits)) {
+      noisy.push_back(region.ratio.name);
+      times = std::max({times, times_more(region, v), kLeastTimesMore});
+    }
+  const std::string unsure = noisy.empty()
+                                 ? fmt::format("{} images a side are too few to be sure", v.settings.seeds)
+                                 : "too noisy to be sure of " + listed(noisy) + " " + within;
+  return "looks the same; " + unsure + ": " + advice(times, v);
+}
+
 void judge_region(const RegionRatio& region, const ValidationThresholds& limits, Verdict& verdict) {
   const Interval& ratio = region.total;
   if (!is_judged(region, limits)) return;
-  if (ratio.low >= 1 - limits.ratio && ratio.high <= 1 + limits.ratio) return;
+  if (is_inside(ratio, limits)) return;
   const std::string words =
       fmt::format("{}: ours / Cycles - 1 is {}, 95 % interval {} to {}", region.name,
                   percent(ratio.value - 1), percent(ratio.low - 1), percent(ratio.high - 1));
-  if (ratio.low > 1 + limits.ratio || ratio.high < 1 - limits.ratio)
+  if (is_outside(ratio, limits))
     worsen(verdict, Outcome::kDifference, words + ": a difference.");
   else
     worsen(verdict, Outcome::kUndecided,
@@ -65,6 +151,7 @@ Verdict judge(const Validation& v) {
                     "of the bins are "
                     "accepted.",
                     100 * limits.ratio, 100 * v.inside_bins.accepted_share));
+  verdict.sentence = sentence_of(v, verdict.outcome);
   return verdict;
 }
 

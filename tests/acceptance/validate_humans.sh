@@ -34,7 +34,7 @@ for model in "${models[@]}"; do
   for environment in $environments; do
     report=$out/$model.$(basename "$environment" .exr)
     if [ ! -d "$report" ]; then
-      "$program" validate "$out/$model" --environment "$environment" "${options[@]}" -o "$report" || [ $? -eq 1 ]
+      "$program" validate "$out/$model" --environment "$environment" "${options[@]}" -o "$report" || [[ $? =~ ^[13]$ ]]
     fi
     verdict=$(sed -n 's/^ "verdict": "\(.*\)",$/\1/p' "$report/validate.json")
     echo "$(basename "$report"): $verdict"
