@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
@@ -13,6 +12,7 @@
 #include "dataset/model/blender.h"
 #include "dataset/model/error.h"
 #include "dataset/model/interrupt.h"
+#include "dataset/model/json_text.h"
 #include "dataset/model/progress.h"
 
 namespace ohb {
@@ -34,6 +34,7 @@ class Scratch {
       throw TryAgainError(fs::temp_directory_path().string(), "no folder can be made there",
                           "free some space, or set TMPDIR to a folder that can be written to");
     path_ = name;
+    unfinished_.emplace(path_);
   }
   ~Scratch() {
     std::error_code ignored;
@@ -45,6 +46,7 @@ class Scratch {
 
  private:
   fs::path path_;
+  std::optional<Unfinished> unfinished_;
 };
 
 bool take_prefix(std::string& text, const std::string& prefix) {
@@ -116,14 +118,11 @@ class Listener {
   take_prefix(words, kUsage);
   if (result.exit_code == kExitBadInput && !words.empty()) throw InputError("", "", words, "");
   if (result.exit_code == kExitTryAgain && !words.empty()) throw TryAgainError("", words, "");
-  const std::string program = blender.program.string();
-  const int signal = result.exit_code - 128;
-  if (signal == SIGKILL || signal == SIGTERM || signal == SIGINT || signal == SIGHUP)
-    throw TryAgainError(program, "was ended by signal " + std::to_string(signal),
-                        "run the command again, with a smaller --size if memory was short");
   for (const std::string& line : result.last_lines) std::fprintf(stderr, "%s\n", line.c_str());
-  throw std::runtime_error(program + " stopped with code " + std::to_string(result.exit_code) + " (" +
-                           reason_of(result.last_lines) + ")");
+  // 70: an exception that the script itself calls a bug.
+  if (result.exit_code == kExitBug && !speaks_of_memory(reason_of(result.last_lines)))
+    throw std::runtime_error(blender.program.string() + ": " + reason_of(result.last_lines));
+  throw_blender_failure(blender, result);
 }
 
 }  // namespace
@@ -138,7 +137,7 @@ nlohmann::json relight(const RelightOptions& options) {
                      scratch.path(), [&](const std::string& line) { listener.hear(line); });
   throw_if_interrupted();
   if (result.exit_code != 0) fail(blender, result, listener.error);
-  return nlohmann::json::parse(read_file(report));
+  return read_json(report);
 }
 
 }  // namespace ohb

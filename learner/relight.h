@@ -29,8 +29,8 @@ struct RelightOptions {
 
 /// The report of relight.py: output, size_px, seconds {load, render}, blender, principled, warnings (which
 /// are also logged). Throws InputError: no Blender, one before 3.4, or what relight.py refuses, in its words.
-/// TryAgainError: the disk is full, or a signal ended Blender or us. std::runtime_error for a bug, after
-/// Blender's last lines went to stderr.
+/// TryAgainError: the disk is full, a signal ended Blender or us, or Blender found no memory. Before what
+/// Blender itself fails with, its last lines go to stderr.
 nlohmann::json relight(const RelightOptions& options);
 
 }  // namespace ohb

@@ -8,6 +8,7 @@
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
 #include "dataset/model/interrupt.h"
+#include "dataset/model/json_text.h"
 #include "learner/hash.h"
 #include "learner/loader.h"
 #include "learner/recolour.h"
@@ -21,6 +22,7 @@ using nlohmann::json;
 using torch::Tensor;
 
 enum Purpose : uint64_t { kLightPlace = 3, kMirror = 4, kRecolour = 5 };
+constexpr double kGrace_s = 6;  // for the step under way, so that it can be saved
 constexpr int64_t kMaxSkippedInARow = 10;
 constexpr double kFinalRate = 1e-6;
 
@@ -58,8 +60,8 @@ void check_same(const json& before, const json& now, const fs::path& file) {
   for (const auto& [key, value] : wanted.items())
     if (!before.contains(key) || before[key] != value)
       throw InputError(file.string(), key,
-                       "is " + (before.contains(key) ? before[key].dump() : "unset") + " in the run and " +
-                           value.dump() + " now",
+                       "is " + (before.contains(key) ? json_text(before[key]) : "unset") +
+                           " in the run and " + json_text(value) + " now",
                        "give the run's options, or another -o for a new run");
 }
 
@@ -219,6 +221,7 @@ Step Trainer::step(const Batch& batch, int64_t number) {
 }
 
 void Trainer::save(int64_t step) {
+  const Finishing whole;
   header_["step"] = step;
   header_["version"] = OHB_VERSION;
   save_checkpoint(options_.run, header_, optimiser_, options_.keep);
@@ -253,6 +256,7 @@ void Trainer::stop_if_interrupted(int64_t number, RunLog& log) {
 }
 
 TrainReport Trainer::run() {
+  set_interrupt_grace_s(kGrace_s);
   TrainReport report;
   report.first_step = first_step_;
   report.steps = steps_;

@@ -7,6 +7,8 @@
 #include "dataset/model/atomic_folder.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
+#include "dataset/program/help.h"
+#include "dataset/program/option_checks.h"
 #include "renderer/validation/speed_accuracy.h"
 #include "renderer/validation/stopwatch.h"
 #include "renderer/validation/stress.h"
@@ -125,22 +127,20 @@ void add_stress_chart(CLI::App& chart, Commands& commands) {
   command->add_flag("--no-heavy", options->without_heavy, "leaves out what takes gigabytes");
   command->add_option("--blender", settings.blender, "Blender 3.4 (default: blender in PATH)");
   command->add_option("--size", settings.size_px, "width and height in pixels")
-      ->check(CLI::Range(8, 1024))
+      ->check(whole_within(8, 1024))
       ->capture_default_str();
   command->add_option("--spp", settings.spp, "paths a pixel")
-      ->check(CLI::Range(1, 8192))
+      ->check(whole_within(1, 8192))
       ->capture_default_str();
   command->add_option("--seeds", settings.seeds, "images of each kind, whose spread is the noise")
-      ->check(CLI::Range(2, 256))
+      ->check(whole_within(2, 256))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
       ->required();
   add_common_options(*command, commands.common);
-  command->footer(
-      "Examples:\n"
-      "  openhumanbrdf chart stress -o stress\n"
-      "  openhumanbrdf chart stress --case roughness --no-cycles -o stress\n"
-      "Exit code 1: a case is not within the limits that the catalogue states.");
+  command->footer(help_footer({"openhumanbrdf chart stress -o stress",
+                               "openhumanbrdf chart stress --case roughness --no-cycles -o stress"},
+                              "Exit code 1: a case is not within the limits that the catalogue states."));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_stress_chart(*options, commands.common); };
   });
@@ -154,6 +154,8 @@ void add_bake_stress_chart(CLI::App& chart, Commands& commands);  // cmd_chart_b
 void add_chart_command(CLI::App& app, Commands& commands) {
   CLI::App* chart = app.add_subcommand("chart", "Charts of error against time, and of hard cases");
   chart->require_subcommand(1);
+  chart->footer(help_footer({"openhumanbrdf chart speed-accuracy --help",
+                             "openhumanbrdf chart speed-accuracy model --environment studio.exr -o chart"}));
   add_stress_chart(*chart, commands);
   add_bake_chart(*chart, commands);
   add_bake_stress_chart(*chart, commands);
@@ -168,28 +170,26 @@ void add_chart_command(CLI::App& app, Commands& commands) {
       ->required();
   command->add_option("--blender", settings.blender, "Blender 3.4 (default: blender in PATH)");
   command->add_option("--size", settings.size_px, "width and height in pixels")
-      ->check(CLI::Range(8, 8192))
+      ->check(whole_within(8, 8192))
       ->capture_default_str();
   command
       ->add_option("--max-spp", settings.max_spp,
                    "paths a pixel of the best images; the others take 4, 16, ...")
-      ->check(CLI::Range(4, 8192))
+      ->check(whole_within(4, 8192))
       ->capture_default_str();
   command->add_option("--seeds", settings.seeds, "images of each kind, whose spread is the error")
-      ->check(CLI::Range(2, 256))
+      ->check(whole_within(2, 256))
       ->capture_default_str();
   command->add_option("--bounces", settings.max_bounces, "indirect bounces at most")
-      ->check(CLI::Range(0, 1024))
+      ->check(whole_within(0, 1024))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
       ->required();
   add_common_options(*command, commands.common);
-  command->footer(
-      "Examples:\n"
-      "  openhumanbrdf chart speed-accuracy model --environment studio.exr -o chart\n"
-      "  openhumanbrdf chart speed-accuracy model --environment a.exr --environment b.exr --max-spp 64 -o "
-      "chart\n"
-      "Times mean something on an idle machine only.");
+  command->footer(help_footer({"openhumanbrdf chart speed-accuracy model --environment studio.exr -o chart",
+                               "openhumanbrdf chart speed-accuracy model --environment a.exr --environment "
+                               "b.exr --max-spp 64 -o chart"},
+                              "Times mean something on an idle machine only."));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_chart(*options, commands.common); };
   });

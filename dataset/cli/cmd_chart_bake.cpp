@@ -8,6 +8,8 @@
 #include "dataset/model/error.h"
 #include "dataset/production/bake_fidelity.h"
 #include "dataset/production/source_materials.h"
+#include "dataset/program/help.h"
+#include "dataset/program/option_checks.h"
 
 namespace ohb {
 namespace fs = std::filesystem;
@@ -67,27 +69,26 @@ void add_bake_chart(CLI::App& chart, Commands& commands) {
       ->add_option("--map-sizes", settings.map_sizes_px,
                    "texels along the longer edge of the maps, several (default: twice the pictures' size, "
                    "their own, a half, ... )")
-      ->check(CLI::Range(1, kMaxMapSize_px));
+      ->check(whole_within(1, kMaxMapSize_px));
   command->add_flag("--hard-borders", options->hard_borders,
                     "classes change at the faces' edges; the regions' weights are not used");
   command->add_option("--size", settings.size_px, "width and height of the picture in pixels")
-      ->check(CLI::Range(8, 8192))
+      ->check(whole_within(8, 8192))
       ->capture_default_str();
   command->add_option("--spp", settings.spp, "paths a pixel of one image")
-      ->check(CLI::Range(1, 8192))
+      ->check(whole_within(1, 8192))
       ->capture_default_str();
   command->add_option("--seeds", settings.seeds, "images of each kind, each with its own seed")
-      ->check(CLI::Range(2, 256))
+      ->check(whole_within(2, 256))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
       ->required();
   add_common_options(*command, commands.common);
   command->footer(
-      "Examples:\n"
-      "  openhumanbrdf chart bake person.obj --regions regions --environment studio.exr -o chart\n"
-      "  openhumanbrdf chart bake person.obj --regions regions --environment studio.exr --map-sizes 2048 512 "
-      "-o chart\n"
-      "Exit code 1: maps of the pictures' size do not render as the scan's own materials.");
+      help_footer({"openhumanbrdf chart bake person.obj --regions regions --environment studio.exr -o chart",
+                   "openhumanbrdf chart bake person.obj --regions regions --environment studio.exr "
+                   "--map-sizes 2048 512 -o chart"},
+                  "Exit code 1: maps of the pictures' size do not render as the scan's own materials."));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_bake_chart(*options, commands.common); };
   });

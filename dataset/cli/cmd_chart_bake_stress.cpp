@@ -8,6 +8,7 @@
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
 #include "dataset/production/bake_stress.h"
+#include "dataset/program/help.h"
 
 namespace ohb {
 namespace fs = std::filesystem;
@@ -61,11 +62,9 @@ void add_bake_stress_chart(CLI::App& chart, Commands& commands) {
   command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
       ->required();
   add_common_options(*command, commands.common);
-  command->footer(
-      "Examples:\n"
-      "  openhumanbrdf chart bake-stress -o stress\n"
-      "  openhumanbrdf chart bake-stress --case \"sliver charts\" -o stress\n"
-      "Exit code 1: a case is not within the limits that the catalogue states.");
+  command->footer(help_footer({"openhumanbrdf chart bake-stress -o stress",
+                               "openhumanbrdf chart bake-stress --case \"sliver charts\" -o stress"},
+                              "Exit code 1: a case is not within the limits that the catalogue states."));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_stress_bake(*options, commands.common); };
   });

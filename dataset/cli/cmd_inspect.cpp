@@ -3,7 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/cli/commands.h"
+#include "dataset/model/json_text.h"
 #include "dataset/production/inspect.h"
+#include "dataset/program/help.h"
 
 namespace ohb {
 namespace {
@@ -16,10 +18,7 @@ int run_inspect(const Options& options, const CommonOptions& common) {
   std::optional<std::string> unit;
   if (!options.unit.empty()) unit = options.unit;
   const InspectReport report = inspect_scan(read_scan(options.scan, MissingFiles::kReported), unit);
-  // Names in a scan may be in any encoding; JSON is UTF-8.
-  const std::string text =
-      common.json ? inspect_json(report).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"
-                  : inspect_text(report);
+  const std::string text = common.json ? json_text(inspect_json(report), 2) + "\n" : inspect_text(report);
   std::fputs(text.c_str(), stdout);
   return 0;
 }
@@ -34,9 +33,7 @@ void add_inspect_command(CLI::App& app, Commands& commands) {
   command->add_option("--unit", options->unit, "mm, cm, m or inch: the unit of the file's numbers");
   add_common_options(*command, commands.common);
   command->footer(
-      "Examples:\n"
-      "  openhumanbrdf inspect person.obj\n"
-      "  openhumanbrdf inspect bust.glb --unit m --json");
+      help_footer({"openhumanbrdf inspect person.obj", "openhumanbrdf inspect bust.glb --unit m --json"}));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_inspect(*options, commands.common); };
   });

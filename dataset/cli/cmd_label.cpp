@@ -5,8 +5,10 @@
 
 #include "dataset/cli/commands.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 #include "dataset/production/label.h"
 #include "dataset/production/label_serve.h"
+#include "dataset/program/help.h"
 
 namespace ohb {
 namespace {
@@ -43,7 +45,7 @@ int run_label(const Options& options, const CommonOptions& common) {
                                          : RefineBorders::kAuto;
   job.output = options.output;
   const LabelReport report = label_scan(job);
-  std::printf("%s", common.json ? (to_json(report).dump(2) + "\n").c_str() : to_text(report).c_str());
+  std::printf("%s", common.json ? (json_text(to_json(report), 2) + "\n").c_str() : to_text(report).c_str());
   return 0;
 }
 
@@ -76,15 +78,13 @@ void add_label_command(CLI::App& app, Commands& commands) {
                     "answer strokes as they come: JSON lines on stdin and stdout, for painting tools");
   command->add_option("-o,--output", options->output, "folder for the regions (needed, but for --serve)");
   add_common_options(*command, commands.common);
-  command->footer(
-      "Examples:\n"
-      "  openhumanbrdf label person.obj --rules rules.xml -o regions\n"
-      "  openhumanbrdf label person.obj --faces person.labels.txt --classes skin,hair,fabric,leather -o "
-      "regions\n"
-      "  openhumanbrdf label person.obj --strokes strokes.xml -o regions\n"
-      "  openhumanbrdf label person.obj --serve\n"
-      "With none of them the names of materials and groups decide, and where these say nothing body, colour\n"
-      "and texture.");
+  command->footer(help_footer({"openhumanbrdf label person.obj --rules rules.xml -o regions",
+                               "openhumanbrdf label person.obj --faces person.labels.txt --classes "
+                               "skin,hair,fabric,leather -o regions",
+                               "openhumanbrdf label person.obj --strokes strokes.xml -o regions",
+                               "openhumanbrdf label person.obj --serve"},
+                              "With none of them the names of materials and groups decide, and where these "
+                              "say nothing body, colour and texture."));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_label(*options, commands.common); };
   });

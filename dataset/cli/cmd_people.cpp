@@ -3,7 +3,10 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/cli/commands.h"
+#include "dataset/model/json_text.h"
 #include "dataset/people/people.h"
+#include "dataset/program/help.h"
+#include "dataset/program/option_checks.h"
 
 namespace ohb {
 namespace {
@@ -13,7 +16,7 @@ int run_people(people::PeopleJob job, const CommonOptions& common) {
   job.quiet = common.json;
   const people::PeopleReport report = people::make_people(job);
   if (common.json) {
-    std::printf("%s\n", people::to_json(report).dump(2).c_str());
+    std::printf("%s\n", json_text(people::to_json(report), 2).c_str());
     return 0;
   }
   size_t there = 0;
@@ -34,31 +37,31 @@ void add_people_command(CLI::App& app, Commands& commands) {
                    "folder with 3dobjs, targets, rigs, clothes, hair, skins, eyes, poses")
       ->required();
   command->add_option("--count", job->count, "people to make")
-      ->check(CLI::Range(1, people::kMaxPeople))
+      ->check(whole_within(1, people::kMaxPeople))
       ->required();
   command->add_flag("--balanced", job->draw.balanced,
                     "half women, the six groups evenly (any multiple of 12); default: at random");
   command->add_option("--atlas", job->scan.atlas_px, "width and height of the picture in texels")
-      ->check(CLI::Range(256, 8192))
+      ->check(whole_within(256, 8192))
       ->capture_default_str();
   command
       ->add_option("--noise", job->scan.faults.noise_cm,
                    "standard deviation of the surface in cm, as scanners have it")
-      ->check(CLI::Range(0.0f, 2.0f))
+      ->check(number_within(0, 2))
       ->capture_default_str();
   command->add_option("--holes", job->scan.faults.holes, "patches of 1 to 4 cm that were not captured")
-      ->check(CLI::Range(0, 1000))
+      ->check(whole_within(0, 1000))
       ->capture_default_str();
   command->add_flag("--baked-shading", job->scan.faults.shading, "soft light and its shadows in the picture");
   command->add_option("-o,--output", job->output, "folder for the people")->required();
   add_common_options(*command, commands.common);
   command->footer(
-      "Examples:\n"
-      "  openhumanbrdf people --assets makehuman --count 147 --balanced -o people\n"
-      "  openhumanbrdf people --assets makehuman --count 12 --seed 7 --atlas 4096 -o people\n"
-      "  openhumanbrdf people --assets makehuman --count 12 --noise 0.1 --holes 10 --baked-shading --atlas "
-      "1024 -o hard\n"
-      "An interrupted run goes on where it stopped when the same command is given again.");
+      help_footer({"openhumanbrdf people --assets makehuman --count 147 --balanced -o people",
+                   "openhumanbrdf people --assets makehuman --count 12 --seed 7 --atlas 4096 -o people",
+                   "openhumanbrdf people --assets makehuman --count 12 --noise 0.1 --holes 10 "
+                   "--baked-shading --atlas 1024 -o "
+                   "hard"},
+                  "An interrupted run goes on where it stopped when the same command is given again."));
   command->callback(
       [job, &commands] { commands.run = [job, &commands] { return run_people(*job, commands.common); }; });
 }

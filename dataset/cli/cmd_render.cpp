@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -8,6 +6,8 @@
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
 #include "dataset/production/render_samples.h"
+#include "dataset/program/help.h"
+#include "dataset/program/option_checks.h"
 
 namespace ohb {
 namespace {
@@ -72,18 +72,6 @@ int run_render(const Options& options, const CommonOptions& common) {
   return 0;
 }
 
-/// CLI::Range lets NaN through.
-CLI::Validator within(double low, double high) {
-  return CLI::Validator(
-      [=](const std::string& text) {
-        double value = 0;
-        return CLI::detail::lexical_cast(text, value) && value >= low && value <= high
-                   ? std::string()
-                   : fmt::format("{} is not a number from {} to {}", text, low, high);
-      },
-      "NUMBER");
-}
-
 }  // namespace
 
 void add_render_command(CLI::App& app, Commands& commands) {
@@ -98,10 +86,10 @@ void add_render_command(CLI::App& app, Commands& commands) {
   command->add_option("--views", options->views, "N: all of N views around a turn; N:i,j,...: some of them")
       ->capture_default_str();
   command->add_option("--size", options->size_px, "width and height in pixels")
-      ->check(CLI::Range(1, 16384))
+      ->check(whole_within(1, 16384))
       ->capture_default_str();
   CLI::Option* spp = command->add_option("--spp", options->spp, "paths a pixel")
-                         ->check(CLI::Range(1, 1 << 24))
+                         ->check(whole_within(1, 1 << 24))
                          ->capture_default_str();
   CLI::Option* error =
       command
@@ -109,14 +97,14 @@ void add_render_command(CLI::App& app, Commands& commands) {
               "--error", options->error,
               "instead of --spp: paths until the estimated relative error of every light's image, and "
               "of each class in it, is below this")
-          ->check(within(1e-4, 1.0))
+          ->check(number_within(1e-4, 1.0))
           ->excludes(spp);
   command->add_option("--max-spp", options->max_spp, "paths a pixel at most with --error")
-      ->check(CLI::Range(16, 1 << 24))
+      ->check(whole_within(16, 1 << 24))
       ->needs(error)
       ->capture_default_str();
   command->add_option("--bounces", options->bounces, "indirect bounces at most")
-      ->check(CLI::Range(0, 1024))
+      ->check(whole_within(0, 1024))
       ->capture_default_str();
   command
       ->add_option("--model", options->shading,
@@ -146,17 +134,16 @@ void add_render_command(CLI::App& app, Commands& commands) {
           "--tolerance",
           [options](double tolerance) { options->tolerance = tolerance, options->tolerance_given = true; },
           "of --quality auto: root mean square change of a light's image, relative (default 0.02)")
-      ->check(within(1e-4, 1.0));
+      ->check(number_within(1e-4, 1.0));
   command->add_option("-o,--output", options->output, "folder for the samples")->required();
   command->add_flag("--overwrite", options->overwrites,
                     "replace the views in that folder if they are of other settings (else they are refused)");
   add_common_options(*command, commands.common);
-  command->footer(
-      "Examples:\n"
-      "  openhumanbrdf render model --environment studio.exr --environment sunset.exr --views 8 -o samples\n"
-      "  openhumanbrdf render model --point 100,220,200,5 --views 100:0,25 --size 256 --error 0.02 -o "
-      "samples\n"
-      "An interrupted run goes on where it stopped when the same command is given again.");
+  command->footer(help_footer(
+      {"openhumanbrdf render model --environment studio.exr --environment sunset.exr --views 8 -o samples",
+       "openhumanbrdf render model --point 100,220,200,5 --views 100:0,25 --size 256 --error 0.02 -o "
+       "samples"},
+      "An interrupted run goes on where it stopped when the same command is given again."));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_render(*options, commands.common); };
   });

@@ -5,6 +5,8 @@
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/atomic_folder.h"
 #include "dataset/model/error.h"
+#include "dataset/program/help.h"
+#include "dataset/program/option_checks.h"
 #include "renderer/validation/report.h"
 
 namespace ohb {
@@ -38,11 +40,11 @@ void print_summary(const Validation& v, const fs::path& output) {
   std::printf("an image: ours %.2f s, Cycles %.2f s; at equal error ours is %.2f times as fast\n",
               v.our_cost.wall_s, v.cycles_cost.wall_s, speed.wall);
   for (const std::string& reason : v.verdict.reasons) std::printf("%s\n", reason.c_str());
-  std::printf("%s: %s\n",
+  std::printf("%s\n%s: %s\n", (output / "index.html").c_str(),
               v.verdict.outcome == Outcome::kPass        ? "pass"
               : v.verdict.outcome == Outcome::kUndecided ? "undecided"
                                                          : "difference",
-              (output / "index.html").c_str());
+              v.verdict.sentence.c_str());
 }
 
 int run_validate(Options options, const CommonOptions& common) {
@@ -66,7 +68,15 @@ int run_validate(Options options, const CommonOptions& common) {
     std::printf("%s", validation_json(validation).c_str());
   else
     print_summary(validation, options.output);
-  return validation.verdict.outcome == Outcome::kPass ? kExitDone : kExitDifference;
+  switch (validation.verdict.outcome) {
+    case Outcome::kPass:
+      return kExitDone;
+    case Outcome::kUndecided:
+      return kExitUndecided;
+    case Outcome::kDifference:
+      break;
+  }
+  return kExitDifference;
 }
 
 }  // namespace
@@ -96,16 +106,16 @@ void add_validate_command(CLI::App& app, Commands& commands) {
       ->needs(bpy);
   command->add_option("--view", options->view, "view k of n around the turn, k/n")->capture_default_str();
   command->add_option("--size", settings.size_px, "width and height in pixels")
-      ->check(CLI::Range(8, 8192))
+      ->check(whole_within(8, 8192))
       ->capture_default_str();
   command->add_option("--spp", settings.spp, "paths a pixel of one image")
-      ->check(CLI::Range(1, kMaxCyclesSpp))
+      ->check(whole_within(1, kMaxCyclesSpp))
       ->capture_default_str();
   command->add_option("--seeds", settings.seeds, "images a side, each with its own seed")
-      ->check(CLI::Range(2, 1024))
+      ->check(whole_within(2, 1024))
       ->capture_default_str();
   command->add_option("--bounces", settings.max_bounces, "indirect bounces at most")
-      ->check(CLI::Range(0, 1024))
+      ->check(whole_within(0, 1024))
       ->capture_default_str();
   command
       ->add_option("--subsurface", options->subsurface,
@@ -116,17 +126,18 @@ void add_validate_command(CLI::App& app, Commands& commands) {
       ->add_option(
           "--focus", settings.focus,
           "regions that are too noisy are rendered again, alone, with up to so many times the work; 1: never")
-      ->check(CLI::Range(1.0, 1e6))
+      ->check(number_within(1.0, 1e6))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "folder for the report")->required();
   add_common_options(*command, commands.common);
-  command->footer(
-      "Examples:\n"
-      "  openhumanbrdf validate model --environment studio.exr -o report\n"
-      "  openhumanbrdf validate model --environment sunset.exr --view 25/100 --size 512 --spp 256 -o report\n"
-      "  openhumanbrdf validate model --environment studio.exr --model v2 --bpy bpy45 --install-bpy -o "
-      "report\n"
-      "Exit code 0: both agree; 1: a difference, or too few samples to tell; 2: bad input.");
+  command->footer(help_footer(
+      {"openhumanbrdf validate model --environment studio.exr -o report",
+       "openhumanbrdf validate model --environment sunset.exr --view 25/100 --size 512 --spp 256 -o report",
+       "openhumanbrdf validate model --environment studio.exr --model v2 --bpy bpy45 --install-bpy -o "
+       "report"},
+      "Exit code 0: both agree; 1: a difference; 3: no difference, but too noisy to be sure (the last line "
+      "says what "
+      "would decide it); 2: bad input."));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_validate(*options, commands.common); };
   });

@@ -2,12 +2,16 @@
 
 #include <CLI/CLI.hpp>
 
+#include "dataset/program/option_checks.h"
+
 namespace ohb {
 
 void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_option("--threads", options.threads, "threads to use (default: all cores)")
-      ->check(CLI::Range(0, 4096));
-  command.add_option("--seed", options.seed, "seed of the random numbers")->capture_default_str();
+      ->check(whole_within(0, 4096));
+  command.add_option("--seed", options.seed, "seed of the random numbers")
+      ->check(whole_within(0, UINT64_MAX))
+      ->capture_default_str();
   command.add_flag("--json", options.json, "print one machine-readable result on stdout");
 }
 

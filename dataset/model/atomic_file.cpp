@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "dataset/model/error.h"
+#include "dataset/model/input_file.h"
 #include "dataset/model/temporary.h"
 
 namespace ohb {
@@ -21,13 +22,7 @@ constexpr size_t kBlock = size_t{1} << 20;
 
 /// Hands the file's bytes on, block by block.
 void read_blocks(const fs::path& file, const std::function<void(const char*, size_t)>& take) {
-  std::error_code error;
-  if (!fs::exists(file, error)) {
-    const std::string cause = error ? "cannot be read: " + error.message() : "no such file";
-    throw InputError(file.string(), "", cause, "check the path");
-  }
-  if (fs::is_directory(file, error))
-    throw InputError(file.string(), "", "is a folder, not a file", "name the file in it");
+  expect_input_file(file);
   std::ifstream stream(file, std::ios::binary);
   std::string block(kBlock, '\0');
   while (stream) {

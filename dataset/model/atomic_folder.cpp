@@ -160,7 +160,7 @@ void AtomicFolder::commit() {
       replace_folder(path(), folder_);
       return;
     }
-    fs::rename(path(), folder_);
+    hold_off_ending([&] { fs::rename(path(), folder_); });
     sync_path(folder_of(folder_), true);
   });
   temporary_.reset();

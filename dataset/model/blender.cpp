@@ -1,5 +1,6 @@
 #include "dataset/model/blender.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "dataset/model/data_files.h"
@@ -10,13 +11,19 @@ namespace fs = std::filesystem;
 
 namespace {
 
+bool is_of_memory(const ProcessResult& result) {
+  const auto& lines = result.last_lines;
+  return result.exit_code > 128 || std::any_of(lines.begin(), lines.end(), speaks_of_memory);
+}
+
 /// Starts the program with these arguments; it prints "Blender" and its version.
 void ask(const std::vector<std::string>& arguments, const std::string& mend, Blender& blender) {
   const std::string name = blender.program.string();
   std::vector<std::string> all = {name};
   all.insert(all.end(), arguments.begin(), arguments.end());
+  ProcessResult result;
   try {
-    run_process(all, {}, [&](const std::string& line) {
+    result = run_process(all, {}, [&](const std::string& line) {
       char version[32];
       if (blender.version.empty() && std::sscanf(line.c_str(), "Blender %31s", version) == 1)
         blender.version = version;
@@ -24,6 +31,9 @@ void ask(const std::vector<std::string>& arguments, const std::string& mend, Ble
   } catch (const InputError&) {
     throw InputError(name, "", "Blender was not found there", mend);
   }
+  // Ended by a signal, or its libraries could not be loaded: that is no other program.
+  if (blender.version.empty() && result.exit_code != 0 && is_of_memory(result))
+    throw_blender_failure(blender, result);
   if (std::sscanf(blender.version.c_str(), "%d.%d", &blender.major, &blender.minor) != 2)
     throw InputError(name, "", "does not answer as Blender does", mend);
 }
@@ -67,6 +77,16 @@ ProcessResult run_in_blender(const Blender& blender, const fs::path& script,
   const std::string inside = fs::absolute(scratch).string();
   return run_process(
       all, {{"TMPDIR", inside}, {"BLENDER_USER_CONFIG", inside}, {"BLENDER_USER_SCRIPTS", inside}}, on_line);
+}
+
+void throw_blender_failure(const Blender& blender, const ProcessResult& result) {
+  const std::string program = blender.program.string(), reason = reason_of(result.last_lines);
+  const std::string mend = "run the command again, with a smaller --size if memory was short";
+  if (result.exit_code > 128)
+    throw TryAgainError(program, "was ended by signal " + std::to_string(result.exit_code - 128), mend);
+  const std::string words = "stopped with code " + std::to_string(result.exit_code) + " (" + reason + ")";
+  if (is_of_memory(result)) throw TryAgainError(program, words, mend);
+  throw InputError(program, "", words, "check that it renders by itself");
 }
 
 std::string reason_of(const std::vector<std::string>& lines) {

@@ -33,6 +33,10 @@ ProcessResult run_in_blender(const Blender& blender, const std::filesystem::path
                              const std::filesystem::path& scratch,
                              const std::function<void(const std::string&)>& on_line);
 
+/// Of a run that did not end with 0. Throws TryAgainError if a signal ended Blender or it found no memory,
+/// else InputError.
+[[noreturn]] void throw_blender_failure(const Blender& blender, const ProcessResult& result);
+
 /// The last line of an output that says what went wrong: a Python exception or an error of Blender's.
 std::string reason_of(const std::vector<std::string>& lines);
 

@@ -13,6 +13,7 @@
 #include "dataset/model/exr_halves.h"
 #include "dataset/model/halves.h"
 #include "dataset/model/image_damage.h"
+#include "dataset/model/input_file.h"
 #include "dataset/model/large_memory.h"
 #include "dataset/model/oiio_compat.h"
 
@@ -29,6 +30,7 @@ std::string first_line(const std::string& text) {
 }
 
 [[noreturn]] void throw_unreadable(const fs::path& file, const std::string& reason) {
+  if (speaks_of_memory(reason)) throw std::bad_alloc();
   throw InputError(file.string(), "", "cannot be read as an image (" + first_line(reason) + ")",
                    "export it again as PNG, JPEG, TIFF or EXR");
 }
@@ -93,11 +95,8 @@ void open_input(OpenImage& image, std::string_view bytes) {
 }
 
 OpenImage open_image(const fs::path& file) {
-  if (!fs::exists(file)) throw InputError(file.string(), "", "no such file", "check the path");
-  if (!fs::is_regular_file(file))
-    throw InputError(file.string(), "", "is a folder, not an image", "name the file in it");
+  expect_input_file(file);
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(file.string(), "", "cannot be read", "check its permissions");
   char start[16] = {};
   stream.read(start, sizeof start);
   OpenImage image;
@@ -192,6 +191,11 @@ void check_written(bool done, OIIO::ImageOutput& output, const CheckedOutput& by
                       "check the disk, free some space and run the command again");
 }
 
+[[noreturn]] void throw_no_writer(const fs::path& file, const std::string& format) {
+  throw TryAgainError(file.string(), "cannot be written: OpenImageIO gives no " + format + " writer",
+                      "free some memory and run the command again, or install OpenImageIO with it");
+}
+
 void write_png(const fs::path& file, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* values) {
   // The values are written as they are; OpenImageIO would otherwise un-premultiply them.
   spec.attribute("oiio:UnassociatedAlpha", 1);
@@ -199,10 +203,11 @@ void write_png(const fs::path& file, OIIO::ImageSpec spec, OIIO::TypeDesc type, 
   // Encoded in memory first: libpng leaks when its output fails, and the encoded file is small.
   OIIO::Filesystem::IOVecOutput bytes;
   auto output = OIIO::ImageOutput::create("png");
-  if (!output) throw std::logic_error("OpenImageIO has no PNG writer");
+  if (!output) throw_no_writer(file, "PNG");
   output->set_ioproxy(&bytes);
   if (!output->open(file.string(), spec) || !output->write_image(type, values) || !output->close())
-    throw std::logic_error("write_png: " + output->geterror());
+    throw TryAgainError(file.string(), "cannot be encoded: " + output->geterror(),
+                        "free some memory and run it again");
   write_file_atomically(file, std::string(bytes.buffer().begin(), bytes.buffer().end()));
 }
 
@@ -243,7 +248,7 @@ void write_exr(const fs::path& file, const std::vector<ExrPart>& parts, const Ex
   for (const ExrPart& part : parts) specs.push_back(spec_of(part, attributes));
   write_file_atomically(file, [&](const fs::path& temporary) {
     auto output = OIIO::ImageOutput::create("exr");
-    if (!output) throw std::logic_error("OpenImageIO has no EXR writer");
+    if (!output) throw_no_writer(file, "EXR");
     const std::string name = temporary.string();
     CheckedOutput bytes(name);
     output->set_ioproxy(&bytes);

@@ -18,17 +18,22 @@ namespace {
 
 constexpr size_t kKeptLines = 40;
 constexpr int kNotStarted = 127;
-constexpr int kWake_ms = 100;
+constexpr int kWake_ms = 100, kPatience_ms = 500, kNap_ms = 10;
 
-/// Ends and reaps the child unless it was waited for.
+/// Ends the child with its group and reaps it, unless it was waited for.
 class Child {
  public:
-  explicit Child(pid_t id) : id_(id) {}
+  explicit Child(pid_t id) : id_(id), group_(id) {}
   ~Child() {
-    if (id_ > 0) {
-      kill(id_, SIGTERM);
-      wait();
+    if (id_ <= 0) return;
+    kill(-id_, SIGTERM);
+    // Gone in milliseconds as a rule; who does not listen is not asked twice.
+    for (int tries = 0; tries < kPatience_ms / kNap_ms; ++tries) {
+      if (waitpid(id_, nullptr, WNOHANG) != 0) break;
+      ::usleep(1000 * kNap_ms);
     }
+    kill(-id_, SIGKILL);
+    wait();
   }
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
@@ -42,6 +47,7 @@ class Child {
 
  private:
   pid_t id_;
+  ChildGroup group_;
 };
 
 std::vector<char*> pointers(std::vector<std::string>& strings) {
@@ -65,6 +71,7 @@ std::vector<std::string> child_environment(const std::vector<std::pair<std::stri
 
 /// In the child: only calls that are safe after fork.
 [[noreturn]] void become(int output, pid_t parent, char* const* arguments, char* const* environment) {
+  setpgid(0, 0);  // what it starts is ended with it
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(kNotStarted);
   dup2(output, STDOUT_FILENO);
@@ -131,6 +138,7 @@ ProcessResult run_process(const std::vector<std::string>& arguments,
   if (id < 0)
     throw TryAgainError(arguments[0], std::string("cannot be started: ") + std::strerror(errno),
                         "run the command again");
+  setpgid(id, id);  // here too: whoever comes first
   Child child(id);
   ProcessResult result;
   for (std::string line; output.next(line);) {

@@ -15,8 +15,8 @@ struct ProcessResult {
 
 /// Runs arguments[0] (found by PATH) without a shell, with stdin closed and stderr joined to stdout; calls
 /// `on_line` for each line of output. `environment` adds or replaces variables. The program is ended
-/// (SIGTERM) if ours dies or `on_line` throws. Throws InputError if it cannot be started, TryAgainError if a
-/// signal stops us (interrupt.h).
+/// with all that it started if a signal ends ours or `on_line` throws (SIGTERM, half a second later SIGKILL).
+/// Throws InputError if it cannot be started, TryAgainError if a signal stops us (interrupt.h).
 ProcessResult run_process(const std::vector<std::string>& arguments,
                           const std::vector<std::pair<std::string, std::string>>& environment,
                           const std::function<void(const std::string&)>& on_line);

@@ -129,6 +129,7 @@ LockedTemporary::LockedTemporary(const fs::path& target, Kind kind) {
   const std::string end = ".tmp" + (is_file ? target.extension().string() : std::string());
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     path_ = temporary_name(target, stem, end);
+    unfinished_.emplace(path_);
     handle_ = open_new(path_, kind);
     if (handle_ < 0 && errno == EEXIST) continue;
     if (handle_ < 0) throw_write_error(path_, errno);
@@ -167,10 +168,12 @@ void sweep_leftovers_once(const fs::path& folder) noexcept {
 }
 
 void replace_folder(const fs::path& fresh, const fs::path& old) {
-  if (::renameat2(AT_FDCWD, fresh.c_str(), AT_FDCWD, old.c_str(), RENAME_EXCHANGE) != 0) {
+  // Not while `fresh` is being removed because a signal ends us.
+  hold_off_ending([&] {
+    if (::renameat2(AT_FDCWD, fresh.c_str(), AT_FDCWD, old.c_str(), RENAME_EXCHANGE) == 0) return;
     if (errno != EINVAL && errno != ENOSYS && errno != EXDEV) throw_write_error(old, errno);
     replace_in_two_steps(fresh, old);
-  }
+  });
   sync_path(folder_of(old), true);
 }
 

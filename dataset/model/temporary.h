@@ -3,6 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+
+#include "dataset/model/interrupt.h"
 
 namespace ohb {
 
@@ -20,7 +23,8 @@ class LockedTemporary {
 
  private:
   std::filesystem::path path_;
-  int handle_ = -1;  // holds the lock
+  std::optional<Unfinished> unfinished_;  // of path_
+  int handle_ = -1;                       // holds the lock
 };
 
 /// Removes the temporaries in `folder` whose writers are dead. A folder that was moved aside by a command

@@ -14,6 +14,7 @@
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
 #include "dataset/model/interrupt.h"
+#include "dataset/model/json_text.h"
 #include "dataset/model/parallel.h"
 #include "dataset/model/progress.h"
 #include "dataset/people/checks.h"
@@ -51,7 +52,7 @@ bool is_there(const fs::path& folder, const std::string& name, const nlohmann::j
   for (const char* ending : {".obj", ".mtl", ".jpg", ".labels.txt", ".preview.png"})
     if (!fs::is_regular_file(folder / (name + "_scan" + ending))) return false;
   try {
-    const auto json = nlohmann::json::parse(read_file(folder / (name + "_scan.json")));
+    const auto json = read_json(folder / (name + "_scan.json"));
     return json.at("request") == request;
   } catch (const std::exception&) {
     return false;
@@ -179,7 +180,7 @@ PeopleReport make_people(const PeopleJob& job) {
   nlohmann::json index = to_json(report);
   index.erase("seconds");
   for (nlohmann::json& person : index["people"]) person.erase("was_there"), person.erase("seconds");
-  write_file_atomically(job.output / "people.json", index.dump(1) + "\n");
+  write_file_atomically(job.output / "people.json", json_text(index, 1) + "\n");
   return report;
 }
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/json_text.h"
 
 namespace ohb::people {
 namespace fs = std::filesystem;
@@ -109,7 +110,7 @@ void write_scan(const fs::path& folder, const std::string& person, const Scanned
   for (const auto& [of, names] : parts)
     for (const auto& [part, count] : names) json["parts_of_class"][of].push_back(part);
   json.update(extra);
-  write_file_atomically(folder / (name + ".json"), json.dump(1) + "\n");
+  write_file_atomically(folder / (name + ".json"), json_text(json, 1) + "\n");
 }
 
 }  // namespace ohb::people

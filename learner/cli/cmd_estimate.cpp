@@ -3,6 +3,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "dataset/model/json_text.h"
+#include "dataset/program/help.h"
+#include "dataset/program/option_checks.h"
 #include "learner/cli/commands.h"
 #include "learner/estimate.h"
 
@@ -31,7 +34,7 @@ int run_estimate(Arguments arguments, const CommonOptions& common) {
         {"photo_crop_px",
          {{"left", report.crop.left_px}, {"top", report.crop.top_px}, {"side", report.crop.side_px}}},
         {"seconds", report.seconds}};
-    std::printf("%s\n", json.dump(2).c_str());
+    std::printf("%s\n", json_text(json, 2).c_str());
     return 0;
   }
   std::printf("%s: six maps of %d x %d from a square of %.0f px, %s, %.2f s\n", arguments.output.c_str(),
@@ -52,20 +55,21 @@ void add_estimate_command(CLI::App& app, Commands& commands) {
       ->add_option("--weights", arguments->weights,
                    "runs or weights: geometry, albedo, rss, and finetune or not")
       ->required();
-  command->add_option("--size", arguments->estimate.size_px,
-                      "pixels of a side of the maps (default: as trained)");
+  command
+      ->add_option("--size", arguments->estimate.size_px,
+                   "pixels of a side of the maps, a multiple of 16 (default: as trained)")
+      ->check(whole_within(16, 4096));
   command
       ->add_option("--height", arguments->estimate.person_height_cm,
                    "height in cm of what the mask covers; sets the scale")
+      ->check(number_within(1, 1000))
       ->capture_default_str();
   command->add_option("-o,--output", arguments->output, "folder for the maps")->required();
   add_common_options(*command, commands.common);
-  command->footer(
-      "Examples:\n"
-      "  humanmaterial estimate cutout.png --weights runs/geometry runs/albedo runs/rss runs/finetune -o "
-      "maps\n"
-      "  humanmaterial estimate photo.jpg --mask mask.png --weights weights/*.safetensors --height 182 -o "
-      "maps");
+  command->footer(help_footer(
+      {"humanmaterial estimate cutout.png --weights runs/geometry runs/albedo runs/rss runs/finetune -o maps",
+       "humanmaterial estimate photo.jpg --mask mask.png --weights weights/*.safetensors --height 182 -o "
+       "maps"}));
   command->callback([arguments, &commands] {
     commands.run = [arguments, &commands] { return run_estimate(*arguments, commands.common); };
   });

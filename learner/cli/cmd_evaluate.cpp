@@ -5,6 +5,9 @@
 #include <memory>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/json_text.h"
+#include "dataset/program/help.h"
+#include "dataset/program/option_checks.h"
 #include "learner/blas.h"
 #include "learner/cli/commands.h"
 #include "learner/evaluate.h"
@@ -32,7 +35,7 @@ int run_evaluate(Arguments arguments, const CommonOptions& common) {
                                                   static_cast<size_t>(common.threads));
   warn_of_slow_blas();
   const EvaluationReport report = evaluate(o);
-  const std::string json = json_of(report).dump(2) + "\n", table = table_of(report);
+  const std::string json = json_text(json_of(report), 2) + "\n", table = table_of(report);
   if (!arguments.output.empty()) {
     make_folders(arguments.output);
     write_file_atomically(std::filesystem::path(arguments.output) / "evaluation.json", json);
@@ -63,7 +66,10 @@ void add_evaluate_command(CLI::App& app, Commands& commands) {
   command->add_option("--data", arguments->data, "folder with a folder of views a person")->required();
   command->add_option("--person", arguments->evaluate.people,
                       "person to evaluate; may be repeated (default: those held out)");
-  command->add_option("--size", arguments->evaluate.size_px, "pixels of a side (default: as trained)");
+  command
+      ->add_option("--size", arguments->evaluate.size_px,
+                   "pixels of a side, a multiple of 16 (default: as trained)")
+      ->check(whole_within(16, 8192));
   command
       ->add_option("--environment", arguments->environments,
                    "latitude-longitude map to relight by; may be repeated (default: our studio and sunset)")
@@ -71,19 +77,18 @@ void add_evaluate_command(CLI::App& app, Commands& commands) {
   command
       ->add_option("--relight-views", arguments->evaluate.relit.views_a_person,
                    "views a person that are relit, evenly around the turn")
-      ->check(CLI::Range(0, 1 << 20))
+      ->check(whole_within(0, 1 << 20))
       ->capture_default_str();
   command->add_option("--relight-spp", arguments->evaluate.relit.spp, "paths a pixel of relit pictures")
-      ->check(CLI::Range(1, 1 << 24))
+      ->check(whole_within(1, 1 << 24))
       ->capture_default_str();
   command->add_flag("--no-relight", arguments->no_relight, "leave relighting out");
   command->add_option("-o,--output", arguments->output, "folder for evaluation.json and evaluation.md");
   add_common_options(*command, commands.common);
   command->footer(
-      "Examples:\n"
-      "  humanmaterial evaluate runs/geometry runs/albedo runs/rss --data dataset -o report\n"
-      "  humanmaterial evaluate runs/geometry runs/albedo runs/rss runs/finetune --data dataset --person ada "
-      "--json");
+      help_footer({"humanmaterial evaluate runs/geometry runs/albedo runs/rss --data dataset -o report",
+                   "humanmaterial evaluate runs/geometry runs/albedo runs/rss runs/finetune --data dataset "
+                   "--person ada --json"}));
   command->callback([arguments, &commands] {
     commands.run = [arguments, &commands] { return run_evaluate(*arguments, commands.common); };
   });

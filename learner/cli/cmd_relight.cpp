@@ -2,6 +2,9 @@
 #include <cstdio>
 #include <memory>
 
+#include "dataset/model/json_text.h"
+#include "dataset/program/help.h"
+#include "dataset/program/option_checks.h"
 #include "learner/cli/commands.h"
 #include "learner/relight.h"
 
@@ -23,7 +26,7 @@ int run_relight(Arguments arguments, const CommonOptions& common) {
   o.threads = common.threads;
   const nlohmann::json report = relight(o);
   if (common.json) {
-    std::printf("%s\n", report.dump(2).c_str());
+    std::printf("%s\n", json_text(report, 2).c_str());
     return 0;
   }
   const auto& size = report.at("size_px");
@@ -40,8 +43,11 @@ void add_light_options(CLI::App& command, Arguments& arguments) {
   command
       .add_option("--rotation", o.rotation_deg,
                   "degrees by which it turns; after 90, light from the viewer comes from the right")
+      ->check(number_within(-36000, 36000))
       ->capture_default_str();
-  command.add_option("--strength", o.strength, "factor on the environment")->capture_default_str();
+  command.add_option("--strength", o.strength, "factor on the environment")
+      ->check(number_within(0, 1e6))
+      ->capture_default_str();
   command.add_option("--point", o.points, "point light x,y,z,I: cm, and irradiance at 1 m; may be repeated")
       ->allow_extra_args(false);
   command.add_option("--background", o.background, "behind the person")
@@ -63,21 +69,21 @@ void add_relight_command(CLI::App& app, Commands& commands) {
                    "CLASS:PRESET or CLASS:#rrggbb; CLASS is skin, hair, fabric or leather; may be repeated")
       ->allow_extra_args(false);
   command->add_option("--subsurface-scale", o.subsurface_scale, "factor on the subsurface map")
+      ->check(number_within(0, 1000))
       ->capture_default_str();
   command->add_option("--size", o.size_px, "width of the picture in pixels (default: that of the maps)")
-      ->check(CLI::Range(1, 16384));
+      ->check(whole_within(1, 16384));
   command->add_option("--spp", o.spp, "samples a pixel")
-      ->check(CLI::Range(1, 1 << 20))
+      ->check(whole_within(1, 1 << 20))
       ->capture_default_str();
   command->add_option("--blender", arguments->blender,
                       "program of Blender 3.4 or later (default: blender in PATH)");
   command->add_option("-o,--output", arguments->output, "picture, .png or .exr")->required();
-  add_common_options(*command, commands.common);
+  add_common_options(*command, commands.common, INT32_MAX);
   command->footer(
-      "Examples:\n"
-      "  humanmaterial relight maps --environment sunset.exr --rotation 40 -o relit.png\n"
-      "  humanmaterial relight maps --point 100,220,200,5 --edit fabric:shiny_leather --edit hair:auburn "
-      "-o edited.png");
+      help_footer({"humanmaterial relight maps --environment sunset.exr --rotation 40 -o relit.png",
+                   "humanmaterial relight maps --point 100,220,200,5 --edit fabric:shiny_leather --edit "
+                   "hair:auburn -o edited.png"}));
   command->callback([arguments, &commands] {
     commands.run = [arguments, &commands] { return run_relight(*arguments, commands.common); };
   });

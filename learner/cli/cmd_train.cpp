@@ -3,6 +3,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "dataset/model/json_text.h"
+#include "dataset/program/help.h"
+#include "dataset/program/option_checks.h"
 #include "learner/blas.h"
 #include "learner/cli/commands.h"
 #include "learner/counts.h"
@@ -10,6 +13,8 @@
 
 namespace ohb::learner {
 namespace {
+
+constexpr uint64_t kMostSteps = 1'000'000'000'000;
 
 struct Arguments {
   TrainOptions train;
@@ -54,7 +59,7 @@ int run_train(Arguments arguments, const CommonOptions& common) {
                                  {"last_loss", report.last_loss},
                                  {"seconds", report.seconds},
                                  {"data_wait_share", wait}};
-    std::printf("%s\n", json.dump(2).c_str());
+    std::printf("%s\n", json_text(json, 2).c_str());
     return 0;
   }
   std::printf("%s: %lld steps in %.1f s (%.1f %% waiting for data), loss %.4f at first, %.4f at last\n",
@@ -64,18 +69,30 @@ int run_train(Arguments arguments, const CommonOptions& common) {
 }
 
 void add_schedule(CLI::App& command, TrainOptions& o) {
-  command.add_option("--width", o.width, "width of the network; 1 is the paper's")->capture_default_str();
+  command.add_option("--width", o.width, "width of the network; 1 is the paper's")
+      ->check(number_within(0.05, 4))
+      ->capture_default_str();
   command
       .add_option("--size", o.size_px, "pixels of a side, a multiple of 16 that divides the samples' size")
+      ->check(whole_within(16, 8192))
       ->capture_default_str();
-  command.add_option("--batch", o.batch, "samples a step")->capture_default_str();
-  command.add_option("--steps", o.steps, "steps in all (default: by --epochs)");
-  command.add_option("--epochs", o.epochs, "passes over the training views")->capture_default_str();
-  command.add_option("--learning-rate", o.learning_rate, "of AdamW")->capture_default_str();
+  command.add_option("--batch", o.batch, "samples a step")
+      ->check(whole_within(1, 65536))
+      ->capture_default_str();
+  command.add_option("--steps", o.steps, "steps in all (default: by --epochs)")
+      ->check(whole_within(1, kMostSteps));
+  command.add_option("--epochs", o.epochs, "passes over the training views")
+      ->check(whole_within(1, 1'000'000))
+      ->capture_default_str();
+  command.add_option("--learning-rate", o.learning_rate, "of AdamW")
+      ->check(number_within(1e-12, 10))
+      ->capture_default_str();
   command.add_option("--warmup", o.warmup, "steps over which it rises; a tenth of all at most")
+      ->check(whole_within(0, kMostSteps))
       ->capture_default_str();
   command.add_flag("--cosine", o.cosine, "let it fall to 1e-6 by the last step (the paper holds it)");
   command.add_option("--render-weight", o.render_weight, "weight of the rendering loss")
+      ->check(number_within(0, 1e6))
       ->capture_default_str();
   command.add_flag("--linear-render-loss", o.linear_render,
                    "L1 of radiance, as in the paper, not of ln(1 + radiance)");
@@ -86,13 +103,13 @@ void add_schedule(CLI::App& command, TrainOptions& o) {
   command.add_flag("--recolour", o.recolour,
                    "give half of the examples other colours (the paper does not): for few people");
   command.add_option("--checkpoint-every", o.checkpoint_every, "steps between checkpoints")
-      ->check(CLI::PositiveNumber)
+      ->check(whole_within(1, kMostSteps))
       ->capture_default_str();
   command.add_option("--log-every", o.log_every, "steps between log lines")
-      ->check(CLI::PositiveNumber)
+      ->check(whole_within(1, kMostSteps))
       ->capture_default_str();
   command.add_option("--loader-threads", o.loader_threads, "threads that read samples")
-      ->check(CLI::Range(1, 256))
+      ->check(whole_within(1, 256))
       ->capture_default_str();
 }
 
@@ -116,12 +133,11 @@ void add_train_command(CLI::App& app, Commands& commands) {
                       "finetune with --guidance priors: three runs or weights");
   add_schedule(*command, arguments->train);
   add_common_options(*command, commands.common);
-  command->footer(
-      "Examples:\n"
-      "  humanmaterial train geometry --data dataset --size 128 --width 0.25 --epochs 20 -o runs/geometry\n"
-      "  humanmaterial train finetune --data dataset --guidance priors \\\n"
-      "      --priors runs/geometry runs/albedo runs/rss -o runs/finetune\n"
-      "SIGINT and SIGTERM save and exit with 75; --resume goes on, bit for bit as if nothing had happened.");
+  command->footer(help_footer(
+      {"humanmaterial train geometry --data dataset --size 128 --width 0.25 --epochs 20 -o runs/geometry",
+       "humanmaterial train finetune --data dataset --guidance priors --priors runs/geometry runs/albedo "
+       "runs/rss -o runs/finetune"},
+      "SIGINT and SIGTERM save and exit with 75; --resume goes on, bit for bit as if nothing had happened."));
   command->callback([arguments, &commands] {
     commands.run = [arguments, &commands] { return run_train(*arguments, commands.common); };
   });

@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <thread>
 
+#include "dataset/program/option_checks.h"
 #include "learner/torch.h"
 
 namespace ohb::learner {
 
-void add_common_options(CLI::App& command, CommonOptions& options) {
+void add_common_options(CLI::App& command, CommonOptions& options, uint64_t highest_seed) {
   command.add_option("--threads", options.threads, "threads to use (default: all processors)")
-      ->check(CLI::Range(0, 4096));
-  command.add_option("--seed", options.seed, "seed of the random numbers")->capture_default_str();
+      ->check(whole_within(0, 4096));
+  command.add_option("--seed", options.seed, "seed of the random numbers")
+      ->check(whole_within(0, highest_seed))
+      ->capture_default_str();
   command.add_flag("--json", options.json, "print one machine-readable result on stdout");
 }
 

@@ -24,8 +24,8 @@ struct Commands {
   void add_to(CLI::App& app);
 };
 
-/// Adds --threads, --seed and --json.
-void add_common_options(CLI::App& command, CommonOptions& options);
+/// Adds --threads, --seed (0 to `highest_seed`) and --json.
+void add_common_options(CLI::App& command, CommonOptions& options, uint64_t highest_seed = UINT64_MAX);
 
 /// Sets libtorch's threads; called by every command before it computes.
 void use_threads(int threads);

@@ -3,12 +3,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cstdio>
 #include <cstdlib>
 
-#include "dataset/model/error.h"
 #include "dataset/model/image.h"
-#include "dataset/model/interrupt.h"
+#include "dataset/program/command_line.h"
+#include "dataset/program/ends.h"
+#include "dataset/program/help.h"
 #include "learner/cli/commands.h"
 #include "learner/torch.h"
 
@@ -25,23 +25,16 @@ std::string version_text() {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{
-      "Materials of people from one photograph: train, evaluate, estimate, relight.\n"
-      "Example: humanmaterial train geometry --data dataset -o runs/geometry",
-      "humanmaterial"};
+  CLI::App app{"Materials of people from one photograph: train, evaluate, estimate, relight.",
+               "humanmaterial"};
+  app.formatter(std::make_shared<HelpFormatter>());
   app.require_subcommand(1);
   app.set_version_flag("--version", version_text);
   Commands commands;
   commands.add_to(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& information) {
-    return app.exit(information);
-  } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "humanmaterial: %s; see humanmaterial --help\n", error.what());
-    return kExitBadInput;
-  }
-  catch_interrupts();
+  app.footer(help_footer({"humanmaterial train geometry --data dataset -o runs/geometry"},
+                         "Each command has its own help: humanmaterial train --help"));
+  if (const std::optional<int> code = parse_command_line(app, argc, argv)) return *code;
   // stdout belongs to results.
   spdlog::set_default_logger(spdlog::stderr_color_mt("humanmaterial"));
   spdlog::set_pattern("%^%l%$: %v");
@@ -62,19 +55,6 @@ void wait_without_spinning(char** argv) {
 
 int main(int argc, char** argv) {
   ohb::learner::wait_without_spinning(argv);
-  try {
-    return ohb::learner::run(argc, argv);
-  } catch (const ohb::InputError& error) {
-    std::fprintf(stderr, "humanmaterial: %s\n", error.what());
-    return ohb::kExitBadInput;
-  } catch (const ohb::TryAgainError& error) {
-    std::fprintf(stderr, "humanmaterial: %s\n", error.what());
-    return ohb::kExitTryAgain;
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "humanmaterial: not enough memory; use a smaller --size, --width or --batch\n");
-    return ohb::kExitTryAgain;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "humanmaterial: a bug: %s; please report it with the command line\n", error.what());
-    return ohb::kExitBug;
-  }
+  return ohb::run_program("humanmaterial", "use a smaller --size, --width or --batch",
+                          [&] { return ohb::learner::run(argc, argv); });
 }

@@ -1,0 +1,124 @@
+"""Every option of --help: numbers outside their range are refused by name, help fits 80 columns, examples can be pasted,
+misspelt words are guessed.
+
+usage: options_test.py OPENHUMANBRDF [HUMANMATERIAL] [unittest's arguments]
+OHB_ENDS=1 in the environment: every bad number for every option (minutes), not a few.
+"""
+import os
+import re
+import shlex
+import unittest
+
+from support import BAD_INPUT, DONE, Programs, run
+
+COMMANDS = ["inspect", "label", "bake", "render", "validate", "people", "chart", "chart speed-accuracy", "chart stress", "chart bake",
+            "chart bake-stress"]
+LEARNER_COMMANDS = ["train", "evaluate", "estimate", "relight"]
+NUMBER = re.compile(r"^  (?:-\w,)?(--[\w-]+) (INT|UINT|FLOAT)(?::(\S+?)\.\.([^\s=]+))?", re.MULTILINE)
+BAD_NUMBERS = ["nan", "-nan", "inf", "-inf", "1e999", "-1e999", "1e-999", "1e300", "-1e300", "1e-300", "-1e-300", "x", "",
+               " ", "1x", "0x10", "99999999999999999999999", "-99999999999999999999999", "1,5", "--"]
+if not os.environ.get("OHB_ENDS"):
+    BAD_NUMBERS = ["nan", "1e-300"]     # tests/dataset/program_test.cpp tries the others on the check itself
+
+
+def all_commands():
+    for command in ["", *COMMANDS]:
+        yield "openhumanbrdf", command.split()
+    if Programs.learner:
+        for command in ["", *LEARNER_COMMANDS]:
+            yield "humanmaterial", command.split()
+
+
+class Options(unittest.TestCase):
+    def help_of(self, program, command):
+        result = run([program, *command, "--help"])
+        self.assertEqual(result.returncode, DONE, result.stderr)
+        return result.stdout
+
+    def test_help_fits_80_columns(self):
+        for program, command in all_commands():
+            for line in self.help_of(program, command).splitlines():
+                self.assertLessEqual(len(line), 80, "%s %s: %s" % (program, command, line))
+
+    def test_examples_can_be_pasted(self):
+        """The shell's words of an example are a command line that the program parses: it fails at its missing files."""
+        count = 0
+        for program, command in all_commands():
+            text = self.help_of(program, command)
+            if "Examples:\n" not in text:
+                self.fail("%s %s has no examples" % (program, command))
+            examples = text.split("Examples:\n")[1].replace("\\\n", " ")
+            for line in examples.splitlines():
+                if not line.startswith("  " + program) or "--help" in line:
+                    continue
+                count += 1
+                words = shlex.split(line)
+                result = run([*words, "--threads", "4097"])    # the one thing that is wrong with it
+                self.assertEqual(result.returncode, BAD_INPUT, line)
+                self.assertIn("--threads: '4097'", result.stderr, line)
+        self.assertGreater(count, 15)
+
+    def test_numbers_outside_their_range_are_refused_by_name(self):
+        tried = 0
+        for program, command in all_commands():
+            for option, kind, low, high in NUMBER.findall(self.help_of(program, command)):
+                what = " ".join([program, *command, option])
+                self.assertNotEqual(low, "", what + " states no range")
+                if not os.environ.get("OHB_ENDS") and option in ("--threads", "--seed") and command != ["render"]:
+                    continue    # one function adds them to every command
+                bad = list(BAD_NUMBERS)
+                if float(low) > 1e-300:
+                    bad.append("%g" % (float(low) / 2 if kind == "FLOAT" else float(low) - 1))
+                bad.append("%.17g" % (2 * float(high) + 1))
+                for value in bad:
+                    if self.is_within(value, float(low), float(high), kind):
+                        continue
+                    tried += 1
+                    result = run([program, *command, "%s=%s" % (option, value)] if value else [program, *command, option, ""])
+                    self.assertEqual(result.returncode, BAD_INPUT, "%s=%s: %s" % (what, value, result.stderr))
+                    self.assertIn(option, result.stderr, "%s=%s" % (what, value))
+                    self.assertIn("from %s to %s" % (low, high), result.stderr, "%s=%s" % (what, value))
+                    self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        self.assertGreater(tried, 80)
+
+    @staticmethod
+    def is_within(value, low, high, kind):
+        try:
+            number = float(value) if kind == "FLOAT" else int(value)
+        except ValueError:
+            return False
+        return low <= number <= high and not ("e-999" in value)
+
+    def test_misspelt_words_are_guessed(self):
+        cases = [("openhumanbrdf", "rendre x", "'render'"), ("openhumanbrdf", "lable x", "'label'"),
+                 ("openhumanbrdf", "chart stres", "'stress'"), ("openhumanbrdf", "--versoin", "'--version'"),
+                 ("openhumanbrdf", "render model --enviroment e.exr -o out", "'--environment'"),
+                 ("openhumanbrdf", "validate model --enviroment=e.exr -o out", "'--environment'"),
+                 ("openhumanbrdf", "bake scan.obj --region r -o out", "'--regions'")]
+        if Programs.learner:
+            cases += [("humanmaterial", "estimat p.png", "'estimate'"), ("humanmaterial", "evalute x", "'evaluate'"),
+                      ("humanmaterial", "train rss --data d -o o --wramup 3", "'--warmup'")]
+        for program, line, meant in cases:
+            result = run([program, *line.split()])
+            self.assertEqual(result.returncode, BAD_INPUT, line)
+            self.assertIn("did you mean " + meant, result.stderr, line)
+            self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        result = run(["openhumanbrdf", "cook"])
+        self.assertEqual(result.returncode, BAD_INPUT)
+        self.assertNotIn("did you mean", result.stderr)
+
+    def test_lists_of_views_and_points(self):
+        for option, value, *words in (("--views", "100:0,0", "view 0 twice"), ("--views", "4:4", "0 <= i < N"),
+                                      ("--views", "99999999999", "is not a list"), ("--views", "nan", "is not a list"),
+                                      ("--views", "4:", "is not a list"), ("--views", "", "is not a list"),
+                                      ("--point", "0,0,0,nan", "point light"), ("--point", "1e999,0,0,1", "point light"),
+                                      ("--point", "0,0,0,-1", "point light"), ("--point", "0,0,0,inf", "point light")):
+            result = run(["openhumanbrdf", "render", "model", option, value, "-o", "/nowhere/x"])
+            self.assertEqual(result.returncode, BAD_INPUT, value)
+            for word in (option, *words):
+                self.assertIn(word, result.stderr, value)
+
+
+if __name__ == "__main__":
+    Programs.take_arguments()
+    unittest.main(verbosity=2)
