@@ -1,6 +1,7 @@
 // The numbers of a glTF file: buffer views and accessors.
 #include <cstring>
 
+#include "dataset/model/error.h"
 #include "dataset/model/gltf_file.h"
 #include "dataset/model/scan_readers.h"
 
@@ -111,7 +112,13 @@ std::string_view GltfFile::buffer_view(size_t view) const {
     return stored_view(object, place);
   const auto known = decompressed_.find(view);
   if (known != decompressed_.end()) return known->second;
-  return decompressed_[view] = decompressed(extensions->at("EXT_meshopt_compression"), place);
+  try {
+    return decompressed_[view] = decompressed(extensions->at("EXT_meshopt_compression"), place);
+  } catch (const InputError&) {
+    const size_t buffer = index_or(object, "buffer");
+    if (buffer >= buffers_.size() || buffers_[buffer].empty()) throw;
+    return stored_view(object, place);  // the same, not compressed, for programs without the extension
+  }
 }
 
 size_t GltfFile::components(size_t accessor) const {

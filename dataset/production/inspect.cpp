@@ -159,6 +159,7 @@ InspectReport inspect_scan(const Scan& scan, const std::optional<std::string>& u
   report.file = scan.file.string();
   report.groups = scan.groups;
   report.has_file_normals = scan.has_file_normals;
+  report.removed_offset = scan.removed_offset;
   report.notes = scan.notes;
   report.bounds = bounds_of_faces(scan);
   report.unit = unit_option ? UnitGuess{unit_cm_of(*unit_option), "given by --unit " + *unit_option, ""}

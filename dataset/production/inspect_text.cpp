@@ -162,6 +162,8 @@ ordered_json inspect_json(const InspectReport& r) {
   json["zero_area_faces"] = r.zero_area_faces;
   json["materials"] = ordered_json::array();
   for (const MaterialReport& m : r.materials) json["materials"].push_back(material_json(m));
+  if (r.removed_offset)
+    json["removed_offset"] = {r.removed_offset->x, r.removed_offset->y, r.removed_offset->z};
   json["notes"] = r.notes;
   json["warnings"] = ordered_json::array();
   for (const Warning& w : r.warnings) json["warnings"].push_back({{"what", w.what}, {"mend", w.mend}});

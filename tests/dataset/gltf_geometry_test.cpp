@@ -182,6 +182,15 @@ TEST(GltfGeometry, MeshoptDataIsDecoded) {
   for (size_t c = 0; c < 6; ++c) expect_near(corner(scan, c), corner(plain, c));
 }
 
+TEST(GltfGeometry, WhatIsNotCompressedStandsInForDamagedMeshoptData) {
+  GlbBuilder glb = meshopt_glb();
+  nlohmann::json& view = glb.json["bufferViews"][0];
+  view["extensions"]["EXT_meshopt_compression"]["byteLength"] = 3;
+  view["buffer"] = 0;  // where the plain positions still are
+  const Scan scan = read(glb), plain = read(GlbBuilder());
+  for (size_t c = 0; c < 6; ++c) expect_near(corner(scan, c), corner(plain, c));
+}
+
 TEST(GltfGeometry, DamagedMeshoptDataIsNamed) {
   GlbBuilder glb = meshopt_glb();
   nlohmann::json& compression = glb.json["bufferViews"][0]["extensions"]["EXT_meshopt_compression"];
