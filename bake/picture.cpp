@@ -57,13 +57,22 @@ Image read_colour_picture(const ScanPicture& picture) {
   return colour;
 }
 
-Image read_alpha_picture(const ScanPicture& picture) {
+Image read_alpha_picture(const ScanMaterial& material) {
   ImageFileInfo info;
-  const Image stored = read_finite(picture, info);
+  const Image stored = read_finite(material.alpha, info);
   const int channel = info.has_alpha ? stored.channels - 1 : 0;
   Image alpha(stored.width_px, stored.height_px, 1);
   for (size_t i = 0; i < alpha.values.size(); ++i)
     alpha.values[i] = std::clamp(stored.values[i * stored.channels + channel], 0.0f, 1.0f);
+  const auto is_opaque = [&alpha] {
+    return std::all_of(alpha.values.begin(), alpha.values.end(), [](float a) { return a >= 1; });
+  };
+  if (channel == 0 || material.alpha.file == material.diffuse.file || !is_opaque()) return alpha;
+  for (size_t i = 0; i < alpha.values.size(); ++i) {
+    float sum = 0;
+    for (int c = 0; c < channel; ++c) sum += stored.values[i * stored.channels + c];
+    alpha.values[i] = std::clamp(sum / static_cast<float>(channel), 0.0f, 1.0f);
+  }
   return alpha;
 }
 

@@ -18,8 +18,10 @@ enum class GreenChannel { kUp, kDown, kUnclear };
 /// channels are grey. Throws InputError as read_image, and for a NaN or infinite pixel.
 Image read_colour_picture(const ScanPicture& picture);
 
-/// Opacity, 1 channel in [0,1]: the alpha channel if there is one, else red; stored values are linear.
-Image read_alpha_picture(const ScanPicture& picture);
+/// Opacity of a material's cut-out, 1 channel in [0,1]; stored values are linear. The alpha channel if there
+/// is one, else red. In a picture of its own an alpha that is 1 everywhere says nothing (editors add it to a
+/// white-on-black mask): then the mean of its colours. Throws as read_colour_picture.
+Image read_alpha_picture(const ScanMaterial& material);
 
 /// Tangent-space normals, 3 channels, unit length, +Y up. Integer pictures are decoded as 2 v - 1, float ones
 /// taken as signed. `green_is_down` (DirectX) negates Y. Vectors too short to tell a direction become (0,0,1)

@@ -153,7 +153,7 @@ void SourceSurface::read_materials(const Scan& scan, const Model& mesh,
     const ScanMaterial& from = scan.materials[m];
     materials_[m].from = from;
     if (!from.diffuse.empty()) materials_[m].albedo = texture(m, read_colour_picture(from.diffuse));
-    if (!from.alpha.empty()) materials_[m].alpha = texture(m, read_alpha_picture(from.alpha));
+    if (!from.alpha.empty()) materials_[m].alpha = texture(m, read_alpha_picture(from));
     has_alpha_ = has_alpha_ || !from.is_opaque();
     if (from.normal.empty()) continue;
     uint64_t zero_length = 0;

@@ -174,7 +174,7 @@ Image SetBake::albedo() {
   } else {
     Image diffuse = read_colour_picture(material_.diffuse);
     Image alpha;
-    if (!material_.alpha.empty()) alpha = read_alpha_picture(material_.alpha);
+    if (!material_.alpha.empty()) alpha = read_alpha_picture(material_);
     if (material_.alpha_cutoff)
       for (float& value : alpha.values) value = material_.opacity_of(value);
     const ResampleWeights weights = weights_for(diffuse, size, triangles_, &alpha);
@@ -195,7 +195,7 @@ Image SetBake::alpha() {
   if (material_.alpha.empty()) {
     std::fill(alpha.values.begin(), alpha.values.end(), 1.0f);
   } else {
-    Image picture = read_alpha_picture(material_.alpha);
+    Image picture = read_alpha_picture(material_);
     const ResampleWeights weights = weights_for(picture, size, triangles_, nullptr);
     alpha = resample(std::move(picture), size.width_px, size.height_px, weights);
   }

@@ -5,6 +5,7 @@
 
 #include "dataset/model/colour.h"
 #include "dataset/model/error.h"
+#include "dataset/model/image_place.h"
 #include "learner/data.h"
 
 namespace ohb {
@@ -13,7 +14,8 @@ namespace {
 
 constexpr int kMinEdge_px = 16;
 constexpr double kMargin = 0.05;
-constexpr double kAllCovered = 0.999;  // share of the pixels
+constexpr double kAllCovered = 0.999;     // share of the pixels
+constexpr double kInvertedBorder = 0.95;  // no photograph shows a person along all four edges
 
 std::string size_text(const Image& image) {
   return std::to_string(image.width_px) + " x " + std::to_string(image.height_px);
@@ -69,25 +71,46 @@ std::vector<std::vector<Tap>> taps_of(double first, double side, int count, int 
   return taps;
 }
 
-}  // namespace
-
-Image upright(const Image& image, int orientation) {
-  if (orientation < 2 || orientation > 8) return image;
-  const bool swapped = orientation >= 5;
-  Image out(swapped ? image.height_px : image.width_px, swapped ? image.width_px : image.height_px,
-            image.channels);
-  const int right = image.width_px - 1, bottom = image.height_px - 1;
-  for (int y = 0; y < out.height_px; ++y)
-    for (int x = 0; x < out.width_px; ++x) {
-      // Where the upright pixel is stored.
-      const int i = swapped ? y : x, j = swapped ? x : y;
-      const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
-      const bool from_bottom = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
-      const float* pixel = image.pixel(from_right ? right - i : i, from_bottom ? bottom - j : j);
-      std::copy(pixel, pixel + image.channels, out.pixel(x, y));
-    }
-  return out;
+double covered_share(const Image& mask) {
+  const auto covered =
+      std::count_if(mask.values.begin(), mask.values.end(), [](float m) { return m > 0.5f; });
+  return static_cast<double>(covered) / static_cast<double>(mask.values.size());
 }
+
+/// Of the pixels along the four edges.
+double covered_border_share(const Image& mask) {
+  size_t pixels = 0, covered = 0;
+  for (int y = 0; y < mask.height_px; ++y) {
+    const bool is_edge_row = y == 0 || y == mask.height_px - 1;
+    for (int x = 0; x < mask.width_px; x += is_edge_row ? 1 : mask.width_px - 1) {
+      ++pixels;
+      covered += *mask.pixel(x, y) > 0.5f;
+    }
+  }
+  return static_cast<double>(covered) / static_cast<double>(pixels);
+}
+
+/// Editors save opaque masks with an alpha of 1 everywhere: it then says nothing.
+Image read_mask(const fs::path& file) {
+  ImageFileInfo info;
+  const Image image = read_image(file, &info);
+  if (image.width_px < 2 || image.height_px < 2)
+    throw InputError(file.string(), "", "is only " + size_text(image) + " pixels",
+                     "give a mask of the photo's size");
+  check_finite(image, file);
+  const int colours = colour_channels(image, info, file);
+  Image mask = channel_of(image, info.has_alpha ? image.channels - 1 : 0);
+  const bool is_opaque = std::all_of(mask.values.begin(), mask.values.end(), [](float a) { return a >= 1; });
+  if (!info.has_alpha || is_opaque)
+    for (size_t p = 0; p < mask.values.size(); ++p) {
+      float sum = 0;
+      for (int c = 0; c < colours; ++c) sum += image.values[p * image.channels + c];
+      mask.values[p] = std::clamp(sum / static_cast<float>(colours), 0.0f, 1.0f);
+    }
+  return upright(mask, info.orientation);
+}
+
+}  // namespace
 
 Photo read_photo(const fs::path& file) {
   ImageFileInfo info;
@@ -110,33 +133,28 @@ Photo read_photo(const fs::path& file) {
 }
 
 Image mask_of(const Photo& photo, const fs::path& photo_file, const std::optional<fs::path>& mask_file) {
-  Image mask = photo.alpha;
+  const Image mask = mask_file ? read_mask(*mask_file) : photo.alpha;
   const fs::path& file = mask_file ? *mask_file : photo_file;
-  if (mask_file) {
-    ImageFileInfo info;
-    const Image image = read_image(*mask_file, &info);
-    check_finite(image, *mask_file);
-    const int colours = colour_channels(image, info, *mask_file);
-    mask = channel_of(image, info.has_alpha ? image.channels - 1 : 0);
-    if (!info.has_alpha && colours == 3)
-      for (size_t p = 0; p < mask.values.size(); ++p)
-        mask.values[p] = std::clamp(
-            (image.values[3 * p] + image.values[3 * p + 1] + image.values[3 * p + 2]) / 3, 0.0f, 1.0f);
-    mask = upright(mask, info.orientation);
-    if (mask.width_px != photo.linear.width_px || mask.height_px != photo.linear.height_px)
-      throw InputError(file.string(), "",
-                       "is " + size_text(mask) + ", the photo is " + size_text(photo.linear) + " (upright)",
-                       "give a mask of the photo's size");
-  }
   if (mask.values.empty())
     throw InputError(photo_file.string(), "", "has no alpha, and there is no --mask",
                      "cut the person out (for example with rembg) and give the result, or its mask");
-  const auto covered =
-      std::count_if(mask.values.begin(), mask.values.end(), [](float m) { return m > 0.5f; });
+  if (mask.width_px != photo.linear.width_px || mask.height_px != photo.linear.height_px)
+    throw InputError(file.string(), "",
+                     "is " + size_text(mask) + ", the photo is " + size_text(photo.linear) + " (upright)",
+                     "give a mask of the photo's size");
+  const double covered = covered_share(mask);
   if (covered == 0)
-    throw InputError(file.string(), "", "covers nothing", "give a mask that is white on the person");
-  if (static_cast<double>(covered) > kAllCovered * static_cast<double>(mask.values.size()))
-    throw InputError(file.string(), "", "covers everything: the person is not cut out",
+    throw InputError(file.string(), "", "covers nothing: no pixel is brighter than a half",
+                     "give a mask that is white on the person");
+  if (covered > kAllCovered)
+    throw InputError(
+        file.string(), "",
+        std::string(mask_file ? "covers everything" : "is opaque everywhere: its alpha covers everything") +
+            ": the person is not cut out",
+        "give a mask that is white on the person and black elsewhere");
+  if (covered_border_share(mask) > kInvertedBorder)
+    throw InputError(file.string(), "",
+                     "covers the edge of the picture all around, but not its middle: it is inverted",
                      "give a mask that is white on the person and black elsewhere");
   return mask;
 }

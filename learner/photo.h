@@ -21,9 +21,9 @@ struct Photo {
 /// infinite values.
 Photo read_photo(const std::filesystem::path& file);
 
-/// Coverage of the person, of the photo's size: `mask_file` (its alpha if it has one, else its brightness),
-/// or else the photo's alpha. Throws InputError: neither is there, another size, nothing covered, all
-/// covered.
+/// Coverage of the person, of the photo's size: `mask_file` (its alpha if it has one that is not 1
+/// everywhere, else its brightness), or else the photo's alpha. Throws InputError: neither is there, another
+/// size, nothing covered, all covered, or the surroundings covered and the person not (inverted).
 Image mask_of(const Photo& photo, const std::filesystem::path& photo_file,
               const std::optional<std::filesystem::path>& mask_file);
 
@@ -42,8 +42,5 @@ struct Foreground {
 };
 /// Area-averaged (or bilinearly enlarged) in linear light, premultiplied; beyond the photo the mask is 0.
 Foreground foreground_of(const Photo& photo, const Image& mask, const Crop& crop, int size_px);
-
-/// The image turned upright: EXIF orientation 1 to 8 (row 0 and column 0 as TIFF 6.0 defines them).
-Image upright(const Image& image, int orientation);
 
 }  // namespace ohb

@@ -10,6 +10,7 @@
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/blender.h"
+#include "dataset/model/environment.h"
 #include "dataset/model/error.h"
 #include "dataset/model/interrupt.h"
 #include "dataset/model/json_text.h"
@@ -125,12 +126,22 @@ class Listener {
   throw_blender_failure(blender, result);
 }
 
+/// The environment as `render` reads it, linear, turned and in its display window, in a file that any Blender
+/// takes so. Throws InputError as read_environment.
+fs::path linear_environment(const fs::path& environment, const fs::path& folder) {
+  const Image radiance = read_environment(environment).radiance;
+  write_exr(folder / "environment.exr", {{"map", {"R", "G", "B"}, ExrPart::Type::kFloat, radiance}}, {});
+  return folder / "environment.exr";
+}
+
 }  // namespace
 
-nlohmann::json relight(const RelightOptions& options) {
-  const Blender blender = blender_of(options.blender);
+nlohmann::json relight(const RelightOptions& given) {
+  const Blender blender = blender_of(given.blender);
   const Scratch scratch;
   const fs::path report = scratch.path() / "report.json";
+  RelightOptions options = given;
+  if (!given.environment.empty()) options.environment = linear_environment(given.environment, scratch.path());
   Listener listener;
   const ProcessResult result =
       run_in_blender(blender, "blender_addon/relight.py", arguments_of(options, report), options.threads,

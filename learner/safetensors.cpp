@@ -7,6 +7,7 @@
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
+#include "dataset/model/foreign_content.h"
 #include "dataset/model/json_text.h"
 
 namespace ohb {
@@ -86,6 +87,7 @@ Entry entry_of(const std::string& name, const json& value, uint64_t data_bytes, 
 }
 
 json parsed_header(const std::string& bytes, const fs::path& file) {
+  refuse_foreign_content(file, std::string_view(bytes).substr(0, 512));
   uint64_t length = 0;
   if (bytes.size() < sizeof length)
     refuse(file, "", "is too short for a checkpoint (" + std::to_string(bytes.size()) + " bytes)");

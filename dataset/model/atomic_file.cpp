@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "dataset/model/error.h"
+#include "dataset/model/foreign_content.h"
 #include "dataset/model/input_file.h"
 #include "dataset/model/temporary.h"
 
@@ -102,6 +103,7 @@ std::string read_file(const fs::path& file) {
   std::error_code ignored;
   if (const uintmax_t size = fs::file_size(file, ignored); !ignored) content.reserve(size);
   read_blocks(file, [&](const char* bytes, size_t count) { content.append(bytes, count); });
+  refuse_pointer(file, content);
   return content;
 }
 

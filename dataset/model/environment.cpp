@@ -1,11 +1,15 @@
 #include "dataset/model/environment.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/colour.h"
 #include "dataset/model/error.h"
+#include "dataset/model/image_place.h"
 
 namespace ohb {
 namespace {
@@ -51,10 +55,24 @@ size_t mend_texels(Image& image, const std::string& file) {
   return below_zero_count;
 }
 
+/// An integer picture ends at 1, where a sky goes on to 10 and a sun to 100,000. PNG says where its values
+/// are linear (a gAMA of 1, as oiiotool writes them from an EXR); everything else is sRGB.
+void decode_integers(Environment& environment, const ImageFileInfo& info) {
+  if (!info.says_linear)
+    for (float& value : environment.radiance.values) value = srgb_to_linear(value);
+  environment.warnings.push_back(
+      "holds " + std::to_string(info.bits) + "-bit values, " +
+      (info.says_linear ? "linear as it says itself" : "decoded from sRGB") +
+      ": nothing in it is brighter than white, so there is no sun and shadows are weak; use an .exr or .hdr "
+      "panorama");
+}
+
 }  // namespace
 
 Environment read_environment(const std::filesystem::path& file) {
-  Image image = read_image(file);
+  ImageFileInfo info;
+  Image image = read_image(file, &info);
+  image = upright(image, info.orientation);
   const std::string name = file.string();
   if (image.width_px != 2 * image.height_px)
     throw InputError(name, "",
@@ -71,7 +89,9 @@ Environment read_environment(const std::filesystem::path& file) {
     for (int c = 0; c < 3; ++c)
       environment.radiance.values[3 * i + c] =
           image.values[i * image.channels + (image.channels >= 3 ? c : 0)];
+  if (!info.is_float) decode_integers(environment, info);
   environment.mended_values = mend_texels(environment.radiance, name);
+  for (const std::string& warning : environment.warnings) spdlog::warn("{}: {}", name, warning);
   return environment;
 }
 

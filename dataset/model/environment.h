@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "dataset/model/image.h"
 #include "dataset/model/vec.h"
@@ -17,9 +18,13 @@ struct Environment {
   std::filesystem::path file;
   std::string sha256;
   Image radiance;
-  size_t mended_values = 0;  // negative ones of the file, set to 0
+  size_t mended_values = 0;           // negative ones of the file, set to 0
+  std::vector<std::string> warnings;  // about what the file can hold; read_environment logs them too
 };
 
+/// EXR and HDR are taken as linear; integers (PNG, JPEG, TIFF; 8 or 16 bits) are decoded from sRGB, unless a
+/// PNG says that they are linear, with a warning that they hold no sun. Pictures are turned by their EXIF
+/// orientation; grey ones light grey; alpha is not used.
 /// Throws InputError: not an image, aspect ratio other than 2:1, NaN, infinite or negative texels (naming the
 /// first one and how many), all black. Negative values that together are below 1e-4 of the light, as
 /// resampling filters leave them beside bright spots, are set to 0 instead.

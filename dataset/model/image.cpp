@@ -11,14 +11,17 @@
 #include "dataset/model/checked_output.h"
 #include "dataset/model/error.h"
 #include "dataset/model/exr_halves.h"
+#include "dataset/model/foreign_content.h"
 #include "dataset/model/halves.h"
 #include "dataset/model/image_damage.h"
+#include "dataset/model/image_place.h"
 #include "dataset/model/input_file.h"
 #include "dataset/model/large_memory.h"
 #include "dataset/model/oiio_compat.h"
 
 namespace ohb {
 namespace fs = std::filesystem;
+using namespace std::string_view_literals;
 namespace {
 
 constexpr const char* kFixedDateTime = "2000:01:01 00:00:00";
@@ -40,7 +43,8 @@ const char* format_of(std::string_view start) {
   const auto begins = [&](std::string_view magic) { return start.substr(0, magic.size()) == magic; };
   if (begins("\x89PNG\r\n\x1a\n")) return "png";
   if (begins("\xff\xd8\xff")) return "jpeg";
-  if (begins(std::string_view("II*\0", 4)) || begins(std::string_view("MM\0*", 4))) return "tiff";
+  for (const std::string_view magic : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})  // the last two: BigTIFF
+    if (begins(magic)) return "tiff";
   if (begins("\x76\x2f\x31\x01")) return "openexr";
   if (begins("#?RADIANCE") || begins("#?RGBE")) return "hdr";
   return nullptr;
@@ -58,6 +62,33 @@ void check_size(const OIIO::ImageSpec& spec, size_t byte_count, const fs::path& 
   const size_t values = static_cast<size_t>(spec.width) * spec.height * spec.nchannels;
   if (values > kMaxValues || values / kMaxValuesPerByte > byte_count)
     throw_unreadable(file, "claims " + size + " values in " + std::to_string(byte_count) + " bytes");
+  if (spec.deep)
+    throw InputError(file.string(), "", "is a deep EXR: many samples a pixel", "flatten it (exr_flatten)");
+}
+
+/// Of the formats that keep a part of a picture only OpenEXR's windows, and TIFF's where RenderMan's tags
+/// state the whole, are about pixels: positions in PNG and TIFF are those of a page.
+PixelWindow window_of(const OIIO::ImageSpec& spec, std::string_view format, const fs::path& file) {
+  const bool is_part =
+      format == "openexr" ||
+      (format == "tiff" && (spec.full_width != spec.width || spec.full_height != spec.height));
+  if (!is_part) return {0, 0, spec.width, spec.height};
+  const PixelWindow window{spec.x - spec.full_x, spec.y - spec.full_y, spec.full_width, spec.full_height};
+  const std::string size = std::to_string(window.width_px) + " x " + std::to_string(window.height_px);
+  // A huge window around little must not ask for the memory of a huge picture.
+  constexpr long long kLargeWindow_px = 1 << 24, kLargestRatio = 1000;
+  const long long pixels = 1LL * window.width_px * window.height_px, stored = 1LL * spec.width * spec.height;
+  if (window.width_px < 1 || window.height_px < 1 || window.width_px > kMaxEdge_px ||
+      window.height_px > kMaxEdge_px || static_cast<size_t>(pixels) * spec.nchannels > kMaxValues ||
+      (pixels > kLargeWindow_px && pixels / kLargestRatio > stored))
+    throw_unreadable(file, "its display window is " + size + ", its data " + std::to_string(spec.width) +
+                               " x " + std::to_string(spec.height));
+  const long long x = window.x_px, y = window.y_px;
+  if (x >= window.width_px || y >= window.height_px || x + spec.width <= 0 || y + spec.height <= 0)
+    throw InputError(file.string(), "",
+                     "its data window lies outside its display window of " + size + ": nothing would be seen",
+                     "export it again without a crop");
+  return window;
 }
 
 /// Before the decoder sees it: libpng prints to stderr and libjpeg fills what is missing.
@@ -72,16 +103,34 @@ struct OpenImage {
   std::unique_ptr<OIIO::ImageInput> input;
   fs::path file;
   size_t byte_count = 0;
+  int hdr_orientation = 1;  // of a Radiance picture: as HdrLayout
+
+  std::string_view format() const { return input->format_name(); }
+  PixelWindow window() const { return window_of(input->spec(), format(), file); }
 };
+
+/// The library's word for it differs between versions; what it makes of the lengths is checked here.
+int checked_hdr_orientation(const OIIO::ImageSpec& spec, std::string_view start, const fs::path& file) {
+  const HdrLayout layout = hdr_layout(start);
+  if (layout.is_xyz)
+    throw InputError(file.string(), "", "holds XYZ colours (32-bit_rle_xyze)",
+                     "convert it to RGB (ra_xyze -r), or export it as EXR");
+  if (layout.orientation == 0 || layout.scanlines != spec.height || layout.scanline_pixels != spec.width)
+    throw InputError(file.string(), "", "its resolution line cannot be understood",
+                     "export it with -Y height +X width, or as EXR");
+  return layout.orientation;
+}
 
 /// `bytes`: the whole image, or its start if it is a file.
 void open_input(OpenImage& image, std::string_view bytes) {
   if (image.byte_count == 0)
     throw InputError(image.file.string(), "", "is empty (0 bytes)", "copy or export it again");
   const char* format = format_of(bytes);
-  if (!format)
+  if (!format) {
+    refuse_foreign_content(image.file, bytes);
     throw InputError(image.file.string(), "", "is no PNG, JPEG, TIFF, EXR or HDR image",
                      "export it as one of these");
+  }
   OIIO::ImageSpec config, spec;
   config["oiio:UnassociatedAlpha"] = 1;
   if (std::string_view(format) == "png" || std::string_view(format) == "jpeg")
@@ -92,12 +141,14 @@ void open_input(OpenImage& image, std::string_view bytes) {
   if (!image.input->open(image.file.string(), spec, config))
     throw_unreadable(image.file, oiio_error(image.input.get()));
   check_size(image.input->spec(), image.byte_count, image.file);
+  if (std::string_view(format) == "hdr")
+    image.hdr_orientation = checked_hdr_orientation(image.input->spec(), bytes, image.file);
 }
 
 OpenImage open_image(const fs::path& file) {
   expect_input_file(file);
   std::ifstream stream(file, std::ios::binary);
-  char start[16] = {};
+  char start[4096] = {};  // enough for the header of a Radiance picture
   stream.read(start, sizeof start);
   OpenImage image;
   image.file = file;
@@ -115,36 +166,42 @@ OpenImage open_image_bytes(const std::string& bytes, const std::string& name) {
   return image;
 }
 
-ImageFileInfo info_of(const OIIO::ImageSpec& spec) {
+ImageFileInfo info_of(const OpenImage& open) {
+  const OIIO::ImageSpec& spec = open.input->spec();
+  const PixelWindow window = open.window();
   ImageFileInfo info;
-  info.width_px = spec.width;
-  info.height_px = spec.height;
+  info.width_px = open.hdr_orientation >= 5 ? window.height_px : window.width_px;
+  info.height_px = open.hdr_orientation >= 5 ? window.width_px : window.height_px;
   info.channels = spec.nchannels;
   info.bits = spec.get_int_attribute("oiio:BitsPerSample", static_cast<int>(spec.format.size()) * 8);
   info.is_float = spec.format.is_floating_point();
   info.has_alpha = spec.alpha_channel >= 0 && spec.alpha_channel == spec.nchannels - 1;
-  info.orientation = spec.get_int_attribute("Orientation", 1);
+  // Turned already where the format, and no camera, says so.
+  info.orientation = open.format() == "hdr" ? 1 : spec.get_int_attribute("Orientation", 1);
+  info.says_linear = spec.get_string_attribute("oiio:ColorSpace") == "Linear";
   return info;
 }
 
-Image read_part(OIIO::ImageInput& input, int subimage, const OIIO::ImageSpec& spec, const fs::path& file) {
+/// The sub-image that `open` stands at, in its display window.
+Image read_part(const OpenImage& open, int subimage) {
+  const OIIO::ImageSpec spec = open.input->spec();
+  const PixelWindow window = open.window();
   Image image(spec.width, spec.height, spec.nchannels);
-  if (!read_subimage(input, subimage, spec.nchannels, image.values.data()))
-    throw_unreadable(file, oiio_error(&input));
-  return image;
+  if (!read_subimage(*open.input, subimage, spec.nchannels, image.values.data()))
+    throw_unreadable(open.file, oiio_error(open.input.get()));
+  return upright(placed(std::move(image), window), open.hdr_orientation);
 }
 
 /// Whether read_half_rows() can read what is open.
 bool holds_half_rows(const OpenImage& open, const OIIO::ImageSpec& spec) {
-  return std::string_view(open.input->format_name()) == "openexr" && !open.memory &&
-         spec.format == OIIO::TypeDesc::HALF && spec.channelformats.empty() && spec.tile_width == 0 &&
+  return open.format() == "openexr" && !open.memory && spec.format == OIIO::TypeDesc::HALF &&
+         spec.channelformats.empty() && spec.tile_width == 0 &&
          spec.get_int_attribute("oiio:subimages", 1) == 1;
 }
 
 Image read_first_part(const OpenImage& open, ImageFileInfo* info) {
-  const OIIO::ImageSpec spec = open.input->spec();
-  if (info) *info = info_of(spec);
-  return read_part(*open.input, 0, spec, open.file);
+  if (info) *info = info_of(open);
+  return read_part(open, 0);
 }
 
 /// Halves are made here, some rows at a time: OpenImageIO takes one thread and several times as long.
@@ -230,11 +287,11 @@ Image read_image_bytes(const std::string& bytes, const std::string& name, ImageF
 }
 
 ImageFileInfo probe_image(const fs::path& file) {
-  return info_of(open_image(file).input->spec());
+  return info_of(open_image(file));
 }
 
 ImageFileInfo probe_image_bytes(const std::string& bytes, const std::string& name) {
-  return info_of(open_image_bytes(bytes, name).input->spec());
+  return info_of(open_image_bytes(bytes, name));
 }
 
 void limit_image_threads(int threads) {
@@ -279,12 +336,12 @@ Image read_exr_image(const fs::path& file) {
   if (holds_half_rows(open, spec)) {
     Image image(spec.width, spec.height, spec.nchannels);
     try {
-      if (read_half_rows(file, spec.channelnames, image)) return image;
+      if (read_half_rows(file, spec.channelnames, image)) return placed(std::move(image), open.window());
     } catch (const std::exception& error) {
       throw_unreadable(file, error.what());
     }
   }
-  return read_part(*open.input, 0, spec, file);
+  return read_part(open, 0);
 }
 
 std::vector<ExrPart> read_exr(const fs::path& file, ExrAttributes* attributes) {
@@ -298,7 +355,7 @@ std::vector<ExrPart> read_exr(const fs::path& file, ExrAttributes* attributes) {
     part.name = spec.get_string_attribute("oiio:subimagename");
     part.channels = spec.channelnames;
     part.type = spec.format == OIIO::TypeDesc::HALF ? ExrPart::Type::kHalf : ExrPart::Type::kFloat;
-    part.image = read_part(*input, subimage, spec, file);
+    part.image = read_part(open, subimage);
     if (subimage == 0 && attributes)
       for (const OIIO::ParamValue& value : spec.extra_attribs)
         if (value.type() == OIIO::TypeDesc::STRING)

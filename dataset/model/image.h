@@ -38,15 +38,19 @@ struct ByteImage {
 /// How a file stored its values, as far as a reader must know.
 struct ImageFileInfo {
   int width_px = 0, height_px = 0, channels = 0;
-  int bits = 0;            // per channel: 8, 16, 32
-  bool is_float = false;   // half or float
-  bool has_alpha = false;  // the last channel is alpha
-  int orientation = 1;     // EXIF: 1 is upright; the pixels are as stored, not turned
+  int bits = 0;              // per channel: 8, 16, 32
+  bool is_float = false;     // half or float
+  bool has_alpha = false;    // the last channel is alpha
+  int orientation = 1;       // EXIF: 1 is upright; the pixels are as stored, not turned
+  bool says_linear = false;  // the file says that its values are linear: floats, and PNG with a gAMA of 1
 };
 
 /// Any PNG, JPEG, TIFF, EXR or HDR, values as stored: integers over their maximum (encoded values stay
-/// encoded), floats as they are, alpha never premultiplied into the colour.
-/// Throws InputError for a file that is missing, empty, truncated or not an image.
+/// encoded), floats as they are, alpha never premultiplied into the colour. An EXR's data window is placed in
+/// its display window (0 where nothing is stored), a Radiance picture is turned by its resolution line. Of
+/// several parts the first is read, whose channels the library puts in the order R, G, B, A.
+/// Throws InputError for a file that is missing, empty, truncated or not an image, for deep and
+/// luminance-chroma EXR, and where nothing lies in the display window.
 Image read_image(const std::filesystem::path& file, ImageFileInfo* info = nullptr);
 /// The same of an encoded image in memory; `name` stands for the file in messages.
 Image read_image_bytes(const std::string& bytes, const std::string& name, ImageFileInfo* info = nullptr);

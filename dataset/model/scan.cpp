@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <unordered_map>
 
 #include "dataset/model/error.h"
+#include "dataset/model/foreign_content.h"
 #include "dataset/model/scan_readers.h"
 
 namespace ohb {
@@ -28,6 +30,10 @@ void check_file(const fs::path& file) {
     throw InputError(file.string(), "", "is no regular file", "copy the scan to a file");
   if (fs::file_size(file, error) == 0)
     throw InputError(file.string(), "", "is empty (0 bytes)", "copy or export it again");
+  char start[512] = {};
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(start, sizeof start);
+  refuse_foreign_content(file, std::string_view(start, static_cast<size_t>(stream.gcount())));
 }
 
 void check_names(const Scan& scan) {

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/foreign_content.h"
 
 namespace ohb {
 namespace {
@@ -17,6 +18,7 @@ constexpr int kMaxDepth = 64;  // ours have five
 XmlDocument::XmlDocument(const std::filesystem::path& file, const std::string& root_name)
     : file_(file), content_(read_file(file)) {
   if (content_.empty()) throw InputError(file.string(), "", "the file is empty", "make it again");
+  refuse_foreign_content(file, std::string_view(content_).substr(0, 512));
   const pugi::xml_parse_result result = document_.load_buffer(content_.data(), content_.size());
   if (!result)
     throw InputError(file.string(), line_of(result.offset),

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "bake/picture.h"
 #include "bake/vertex_colours.h"
 #include "dataset/model/colour.h"
 #include "dataset/model/error.h"
@@ -73,11 +74,7 @@ Image alpha_of(const ScanMaterial& material) {
     image.values[0] = 1;
     return image;
   }
-  ImageFileInfo info;
-  const Image stored = read_image(material.alpha, &info);
-  return converted(stored, 1, [&](const float* pixel, int channels, int) {
-    return pixel[info.has_alpha ? channels - 1 : 0];
-  });
+  return read_alpha_picture(material);
 }
 
 Image normal_of(const ScanMaterial& material, GreenChannel green) {

@@ -17,6 +17,12 @@ ScanPicture write_picture(const TemporaryFolder& folder, const std::string& name
   return {folder / name, nullptr};
 }
 
+ScanMaterial cut_out(const ScanPicture& alpha) {
+  ScanMaterial material;
+  material.alpha = alpha;
+  return material;
+}
+
 Image gradient(int width, int height, int channels) {
   Image image(width, height, channels);
   for (size_t i = 0; i < image.values.size(); ++i) image.values[i] = static_cast<float>(i * 37 % 256) / 255;
@@ -58,13 +64,25 @@ TEST(Picture, GreyBecomesThreeChannels) {
   EXPECT_EQ(colour.values[3], colour.values[5]);
 }
 
+TEST(Picture, AnAlphaThatIsOneEverywhereSaysNothingInAMask) {
+  const TemporaryFolder folder;
+  Image rgba(2, 1, 4);
+  rgba.values = {1, 1, 1, 1, 0, 0, 0, 1};
+  ScanMaterial mask = cut_out(write_picture(folder, "m.png", rgba));
+  EXPECT_EQ(read_alpha_picture(mask).values, (std::vector<float>{1, 0}));
+  mask.diffuse = mask.alpha;  // a picture with its own alpha: all of it is opaque
+  EXPECT_EQ(read_alpha_picture(mask).values, (std::vector<float>{1, 1}));
+  rgba.values[7] = 0.6f;  // it says something
+  EXPECT_NEAR(read_alpha_picture(cut_out(write_picture(folder, "n.png", rgba))).values[1], 0.6f, 1e-6f);
+}
+
 TEST(Picture, AlphaIsTheAlphaChannelElseRed) {
   const TemporaryFolder folder;
   Image rgba(1, 1, 4), rgb(1, 1, 3);
   rgba.values = {51 / 255.0f, 0, 0, 102 / 255.0f};
   rgb.values = {51 / 255.0f, 1, 1};
-  EXPECT_FLOAT_EQ(read_alpha_picture(write_picture(folder, "a.png", rgba)).values[0], 102 / 255.0f);
-  EXPECT_FLOAT_EQ(read_alpha_picture(write_picture(folder, "b.png", rgb)).values[0], 51 / 255.0f);
+  EXPECT_FLOAT_EQ(read_alpha_picture(cut_out(write_picture(folder, "a.png", rgba))).values[0], 102 / 255.0f);
+  EXPECT_FLOAT_EQ(read_alpha_picture(cut_out(write_picture(folder, "b.png", rgb))).values[0], 51 / 255.0f);
   // The colour below a low alpha is not darkened by it.
   EXPECT_FLOAT_EQ(read_colour_picture(write_picture(folder, "a.png", rgba)).values[0],
                   srgb_to_linear(51 / 255.0f));

@@ -41,7 +41,7 @@ std::vector<Fault> gltf_faults() {
        scan_with([](const Scan& scan) { EXPECT_NEAR(height_of(scan), 1.7, 1e-5); })},
       {"04-gltf-alphacutoff-ignored/mask_above/a.glb", scan_with([](const Scan& scan) {
          ASSERT_TRUE(scan.materials[0].alpha_cutoff);
-         const float value = read_alpha_picture(scan.materials[0].alpha).values[0];
+         const float value = read_alpha_picture(scan.materials[0]).values[0];
          EXPECT_NEAR(value, 200 / 255.0, 1e-5);
          EXPECT_EQ(scan.materials[0].opacity_of(value), 1);
        })},

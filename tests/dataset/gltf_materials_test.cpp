@@ -131,7 +131,7 @@ Look look_at(const Scan& scan, float x, float y) {
       const std::vector<float> rgb = pixel_at(read_colour_picture(material.diffuse), uv);
       look.colour = look.colour * Vec3f{rgb[0], rgb[1], rgb[2]};
     }
-    if (!material.alpha.empty()) look.alpha *= pixel_at(read_alpha_picture(material.alpha), uv)[0];
+    if (!material.alpha.empty()) look.alpha *= pixel_at(read_alpha_picture(material), uv)[0];
     look.alpha = material.opacity_of(look.alpha);
     return look;
   }

@@ -93,7 +93,7 @@ TEST(Image, AnExrsFirstPartMayBeginAnywhereInItsPicture) {
   const TemporaryFolder folder;
   const auto file = folder / "map.exr";
   OIIO::ImageSpec spec(5, 70, 3, OIIO::TypeDesc::HALF);
-  spec.x = 3, spec.y = -40;
+  spec.x = spec.full_x = 3, spec.y = spec.full_y = -40;
   std::vector<float> values(static_cast<size_t>(5 * 70 * 3));
   for (size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i % 512);
   const auto output = OIIO::ImageOutput::create(file.string());

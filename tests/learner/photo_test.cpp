@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "dataset/model/colour.h"
+#include "dataset/model/image_place.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -139,6 +140,35 @@ TEST(Mask, ComesFromAlphaOrFileAndMustCoverSomethingButNotAll) {
                  {"covers nothing"});
   expect_message(input_error_of([&] { mask_of(whole, "rgb.png", folder / "white.png"); }),
                  {"covers everything"});
+}
+
+TEST(Mask, AnAlphaThatIsOneEverywhereSaysNothing) {
+  TemporaryFolder folder;
+  write_png(folder / "rgb.png", block_picture(3));
+  const Photo photo = read_photo(folder / "rgb.png");
+  for (const int channels : {2, 4}) {
+    Image mask(60, 64, channels);
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 60; ++x)
+        for (int c = 0; c < channels; ++c)
+          mask.pixel(x, y)[c] = c == channels - 1 ? 1 : *block_mask().pixel(x, y);
+    write_with(folder / "opaque.png", mask, OIIO::TypeDesc::UINT8, [&](OIIO::ImageSpec& spec) {
+      spec.attribute("oiio:UnassociatedAlpha", 1);
+      if (channels == 2) spec.channelnames = {"Y", "A"}, spec.alpha_channel = 1;
+    });
+    EXPECT_EQ(mask_of(photo, "rgb.png", folder / "opaque.png").values, block_mask().values) << channels;
+  }
+}
+
+TEST(Mask, InvertedIsSaidInWords) {
+  TemporaryFolder folder;
+  write_png(folder / "rgb.png", block_picture(3));
+  const Photo photo = read_photo(folder / "rgb.png");
+  Image inverted = block_mask();
+  for (float& value : inverted.values) value = 1 - value;
+  write_png(folder / "inverted.png", inverted);
+  expect_message(input_error_of([&] { mask_of(photo, "rgb.png", folder / "inverted.png"); }),
+                 {"inverted.png", "it is inverted", "white on the person"});
 }
 
 TEST(Crop, IsASquareAroundTheSubjectAndMayLeaveThePhoto) {
