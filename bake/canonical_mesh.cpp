@@ -123,6 +123,7 @@ CanonicalMesh canonical_mesh(const Scan& scan, const Regions& regions, double un
   }
   mesh.model.positions_cm = positions.apply(scan.positions);
   mesh.model.uvs = uvs.apply(scan.uvs);
+  mesh.model.source_up = regions.up;
   place_in_world(mesh.model, unit_cm);
   mesh.model.source_file = scan.file.filename().string();
   mesh.model.source_sha256 = regions.scan_sha256;

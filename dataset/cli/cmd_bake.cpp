@@ -4,6 +4,7 @@
 
 #include "dataset/cli/commands.h"
 #include "dataset/model/json_text.h"
+#include "dataset/model/scan_unit.h"
 #include "dataset/production/bake_scan.h"
 #include "dataset/program/help.h"
 #include "dataset/program/option_checks.h"
@@ -59,7 +60,7 @@ void add_bake_command(CLI::App& app, Commands& commands) {
       ->add_option("--size", options->size_px,
                    "texels along the longer edge of the maps (default: those of the diffuse picture)")
       ->check(whole_within(1, kMaxMapSize_px));
-  command->add_option("--unit", options->unit, "unit of the scan: mm, cm, m or inch (default: guessed)");
+  command->add_option("--unit", options->unit, kUnitHelp);
   command->add_option("--name", options->name, "name of the model (default: that of the scan's file)");
   command
       ->add_option(

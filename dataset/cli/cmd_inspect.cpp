@@ -11,13 +11,15 @@ namespace ohb {
 namespace {
 
 struct Options {
-  std::string scan, unit;
+  std::string scan, unit, up;
 };
 
 int run_inspect(const Options& options, const CommonOptions& common) {
   std::optional<std::string> unit;
   if (!options.unit.empty()) unit = options.unit;
-  const InspectReport report = inspect_scan(read_scan(options.scan, MissingFiles::kReported), unit);
+  Scan scan = read_scan(options.scan, MissingFiles::kReported);
+  turn_up(scan, options.up);
+  const InspectReport report = inspect_scan(scan, unit, !options.up.empty());
   const std::string text = common.json ? json_text(inspect_json(report), 2) + "\n" : inspect_text(report);
   std::fputs(text.c_str(), stdout);
   return 0;
@@ -30,7 +32,8 @@ void add_inspect_command(CLI::App& app, Commands& commands) {
       app.add_subcommand("inspect", "What a scan is, and what is wrong with it and how to mend it");
   auto options = std::make_shared<Options>();
   command->add_option("SCAN", options->scan, ".obj, .glb, .gltf or .fbx")->required();
-  command->add_option("--unit", options->unit, "mm, cm, m or inch: the unit of the file's numbers");
+  command->add_option("--unit", options->unit, kUnitHelp);
+  command->add_option("--up", options->up, kUpHelp);
   add_common_options(*command, commands.common);
   command->footer(
       help_footer({"openhumanbrdf inspect person.obj", "openhumanbrdf inspect bust.glb --unit m --json"}));

@@ -6,6 +6,7 @@
 #include "dataset/cli/commands.h"
 #include "dataset/model/error.h"
 #include "dataset/model/json_text.h"
+#include "dataset/model/scan_unit.h"
 #include "dataset/production/label.h"
 #include "dataset/production/label_serve.h"
 #include "dataset/program/help.h"
@@ -14,7 +15,7 @@ namespace ohb {
 namespace {
 
 struct Options {
-  std::string scan, rules, faces, strokes, truth, unit, output;
+  std::string scan, rules, faces, strokes, truth, unit, up, output;
   std::vector<std::string> classes;
   std::string refine = "auto";
   bool automatic = false, serve = false;
@@ -23,8 +24,8 @@ struct Options {
 int run_serve(const Options& options) {
   if (!options.rules.empty() || !options.faces.empty() || !options.truth.empty() || options.automatic ||
       !options.output.empty() || options.refine != "auto")
-    throw InputError("", "--serve", "takes only --strokes and --unit", "leave the other options out");
-  serve_labels({options.scan, options.strokes, options.unit}, std::cin, std::cout);
+    throw InputError("", "--serve", "takes only --strokes, --unit and --up", "leave the other options out");
+  serve_labels({options.scan, options.strokes, options.unit, options.up}, std::cin, std::cout);
   return 0;
 }
 
@@ -39,6 +40,7 @@ int run_label(const Options& options, const CommonOptions& common) {
   job.automatic = options.automatic;
   job.truth = options.truth;
   job.unit = options.unit;
+  job.up = options.up;
   job.classes = options.classes;
   job.refine = options.refine == "on"    ? RefineBorders::kOn
                : options.refine == "off" ? RefineBorders::kOff
@@ -67,7 +69,8 @@ void add_label_command(CLI::App& app, Commands& commands) {
                    "what the indices mean (default: the JSON beside the file, else skin,hair,fabric,leather)")
       ->delimiter(',');
   command->add_option("--truth", options->truth, "known classes, as --faces: prints accuracy and IoU");
-  command->add_option("--unit", options->unit, "unit of the scan: mm, cm, m or inch (default: guessed)");
+  command->add_option("--unit", options->unit, kUnitHelp);
+  command->add_option("--up", options->up, kUpHelp);
   command
       ->add_option(
           "--refine", options->refine,

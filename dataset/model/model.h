@@ -46,7 +46,8 @@ struct Model {
   std::string source_sha256;  // of the scan's mesh file
   std::string source_file;    // its name, without folders
   double source_unit_cm = 1;  // position_cm = source position x source_unit_cm + source_shift_cm
-  Vec3f source_shift_cm;
+  Vec3f source_shift_cm;      // source position: after the turn that --up asked for
+  std::string source_up;      // as turn_up (scan_unit.h); empty: none
   /// Unit, one a position, for shading instead of smooth_normals; empty: those. Only for meshes made in
   /// memory: a stored model has none. build_scene throws std::logic_error if their number is wrong.
   std::vector<Vec3f> normals;

@@ -56,6 +56,7 @@ MeshCounts read_header(const XmlDocument& xml, Model& model) {
   const pugi::xml_node source = xml.child(xml.root(), "source");
   model.source_file = xml.text(source, "file");
   model.source_sha256 = xml.text(source, "sha256");
+  model.source_up = xml.text_or(source, "up", "");
   model.source_unit_cm = xml.number(source, "unit_cm", 1e-9, 1e9);
   model.source_shift_cm = {static_cast<float>(xml.number(source, "shift_x_cm", -1e9, 1e9)),
                            static_cast<float>(xml.number(source, "shift_y_cm", -1e9, 1e9)),

@@ -115,6 +115,7 @@ std::string model_xml(const Model& model, const std::vector<TextureSetEntry>& se
   const char* const shift_names[3] = {"shift_x_cm", "shift_y_cm", "shift_z_cm"};
   for (int i = 0; i < 3; ++i)
     source.append_attribute(shift_names[i]) = shortest(model.source_shift_cm[i]).c_str();
+  if (!model.source_up.empty()) source.append_attribute("up") = model.source_up.c_str();
   append_conventions(root);
   pugi::xml_node mesh = root.append_child("mesh");
   mesh.append_attribute("file") = "mesh.obj";

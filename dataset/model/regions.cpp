@@ -19,6 +19,7 @@ std::string regions_xml(const Regions& regions) {
   pugi::xml_node root = document.append_child("regions");
   root.append_attribute("schema") = "1.0";
   root.append_attribute("scan_sha256") = regions.scan_sha256.c_str();
+  if (!regions.up.empty()) root.append_attribute("up") = regions.up.c_str();
   root.append_attribute("faces") = static_cast<unsigned long long>(regions.face_class.size());
   root.append_attribute("unlabelled") = static_cast<unsigned long long>(unlabelled);
   root.append_child("generator").append_attribute("version") = OHB_VERSION;
@@ -94,7 +95,7 @@ Regions read_regions(const fs::path& folder) {
   if (!fs::is_directory(folder))
     throw InputError(folder.string(), "", "no such folder", "give the folder that `label -o` wrote");
   const XmlDocument xml(folder / "regions.xml", "regions");
-  xml.expect_attributes(xml.root(), {"schema", "scan_sha256", "faces", "unlabelled"});
+  xml.expect_attributes(xml.root(), {"schema", "scan_sha256", "up", "faces", "unlabelled"});
   const std::string schema = xml.text(xml.root(), "schema");
   if (schema.rfind("1.", 0) != 0)
     throw xml.error(xml.root(), "schema " + schema + " is not known here (1.x is)", "use a newer version");
@@ -108,6 +109,7 @@ Regions read_regions(const fs::path& folder) {
   }
   Regions regions;
   regions.scan_sha256 = xml.text(xml.root(), "scan_sha256");
+  regions.up = xml.text_or(xml.root(), "up", "");
   regions.face_class = read_face_classes(folder / "faces.txt", xml.count(xml.root(), "faces", kMaxFaces), {});
   return regions;
 }

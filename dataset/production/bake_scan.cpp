@@ -79,6 +79,7 @@ void read_source(const BakeJob& job, BakeInputs& inputs) {
     return;
   }
   inputs.source = read_scan(job.source);
+  turn_up(inputs.source, inputs.regions.up);  // it lies in the scan's frame
   source.scan = &inputs.source;
   source.sha256 = sha256_of_file(job.source);
   source.unit_cm = !job.source_unit.empty() ? resolve_unit_cm(inputs.source, job.source_unit)
@@ -90,6 +91,7 @@ void read_source(const BakeJob& job, BakeInputs& inputs) {
   source.wants_object_normals = job.wants_object_normals;
   if (job.cage.empty()) return;
   inputs.cage = read_scan(job.cage);
+  turn_up(inputs.cage, inputs.regions.up);
   source.cage = &inputs.cage;
 }
 
@@ -119,11 +121,13 @@ std::unique_ptr<BakeInputs> read_bake_inputs(const BakeJob& job) {
   inputs->table =
       read_material_table(job.materials.empty() ? program_file("assets/materials.xml") : job.materials);
   inputs->scan = read_scan(job.scan);
+  turn_up(inputs->scan, inputs->regions.up);
   const Scan& scan = inputs->scan;
   const std::optional<std::string> unit = job.unit.empty() ? std::nullopt : std::optional(job.unit);
   BakeOptions& options = inputs->options;
   options.size_px = job.size_px;
   options.unit_cm = resolve_unit_cm(scan, unit);
+  expect_upright(scan, options.unit_cm, inputs->regions.up);
   options.name = job.name.empty() ? job.scan.stem().string() : job.name;
   options.quiet = job.quiet;
   options.mends_seams = !job.keeps_seams;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "bake/picture.h"
 #include "dataset/model/mesh_topology.h"
 #include "dataset/production/inspect_warnings.h"
 
@@ -14,6 +15,7 @@ namespace {
 constexpr double kZeroLength = 1e-6;
 constexpr double kSmallComponent = 1e-3;
 constexpr float kOpaque = 0.999f;
+constexpr double kShortestPerson_cm = 80;  // children too; a bust has no feet
 
 double area_of(const Scan& scan, const ScanTriangle& triangle) {
   double p[3][3];
@@ -88,23 +90,42 @@ void count_components(const MeshTopology& topology, const std::vector<double>& f
 }
 
 /// Share of the texels under the material's faces whose opacity is below 1; of the picture alone where the
-/// material does not use its alpha.
-double transparent_share(const Image& image, const UvRaster& raster, const ScanMaterial& material) {
+/// material does not use its alpha. `channel`: the one that says it.
+double transparent_share(const Image& image, int channel, const UvRaster& raster, int raster_width,
+                         int raster_height, const ScanMaterial& material) {
   size_t transparent = 0;
   if (raster.face.empty() || raster.covered == 0) return 0;
-  for (size_t i = 0; i < raster.face.size(); ++i)
-    if (raster.face[i] != kNoFace) {
-      const float alpha = image.values[(i + 1) * static_cast<size_t>(image.channels) - 1];
+  for (int y = 0; y < raster_height; ++y)
+    for (int x = 0; x < raster_width; ++x) {
+      if (raster.face[static_cast<size_t>(y) * raster_width + x] == kNoFace) continue;
+      const auto column = static_cast<int>((x + 0.5) * image.width_px / raster_width),
+                 row = static_cast<int>((y + 0.5) * image.height_px / raster_height);
+      const float alpha = image.pixel(column, row)[channel];
       transparent += (material.alpha.empty() ? alpha : material.opacity_of(alpha)) < kOpaque;
     }
   return static_cast<double>(transparent) / static_cast<double>(raster.covered);
+}
+
+/// Together the materials take no more than this; a grid of 2048 squared takes some milliseconds to clear.
+UvGrid grid_for(const std::vector<MaterialFaces>& materials) {
+  constexpr double kAllTests = 5e8, kAllTexels = 1 << 29;
+  const auto used = static_cast<double>(std::count_if(
+      materials.begin(), materials.end(), [](const MaterialFaces& m) { return !m.faces.empty(); }));
+  UvGrid grid;
+  grid.max_tests = std::min(grid.max_tests, kAllTests / std::max(1.0, used));
+  while (used * grid.size_px * grid.size_px > kAllTexels) grid.size_px /= 2;
+  return grid;
 }
 
 class MaterialInspector {
  public:
   MaterialInspector(const Scan& scan, const std::vector<ScanTriangle>& triangles,
                     const MeshTopology& topology)
-      : scan_(scan), triangles_(triangles), topology_(topology), chart_of_face_(uv_charts(scan)) {}
+      : scan_(scan),
+        topology_(topology),
+        materials_(faces_of_materials(scan, triangles)),
+        grid_(grid_for(materials_)),
+        chart_of_face_(uv_charts(scan)) {}
 
   MaterialReport inspect(uint16_t material) {
     const ScanMaterial& from = scan_.materials[material];
@@ -113,12 +134,13 @@ class MaterialInspector {
     report.opacity = from.opacity;
     report.alpha_cutoff = from.alpha_cutoff;
     report.has_vertex_colours = from.has_vertex_colours;
-    report.uv = measure_uv_layout(scan_, triangles_, topology_, material);
+    report.uv = measure_uv_layout(scan_, materials_[material], topology_, grid_);
     for (const auto& [use, picture] : {std::pair<const char*, const ScanPicture&>("diffuse", from.diffuse),
                                        {"alpha", from.alpha},
                                        {"normal", from.normal}}) {
       if (picture.empty()) continue;
-      const bool is_seen = std::string(use) == "alpha" && picture.file == from.diffuse.file;
+      const bool is_seen = std::string(use) == "alpha" && picture.file == from.diffuse.file &&
+                           report.pictures.front().is_cut_out;
       report.pictures.push_back(is_seen ? report.pictures.front() : inspect_picture(material, use, picture));
       report.pictures.back().use = use;
     }
@@ -126,35 +148,61 @@ class MaterialInspector {
   }
 
  private:
-  PictureReport inspect_picture(uint16_t material, const std::string& use, const ScanPicture& picture) const {
+  PictureReport inspect_picture(uint16_t material, const std::string& use, const ScanPicture& picture) {
     PictureReport report;
     report.use = use;
     report.file = picture.file.string();
-    const Image image = read_image(picture, &report.info);
-    const bool needs_raster = use == "normal" || report.info.has_alpha;
-    if (!needs_raster) return report;
-    const UvRaster raster =
-        rasterise_uvs(scan_, triangles_, topology_, material, image.width_px, image.height_px);
+    const Image& image = read_once(picture, report.info);
     if (use == "normal") {
-      std::vector<uint32_t> region(static_cast<size_t>(image.width_px) * image.height_px, kNoRegion);
-      for (size_t i = 0; i < raster.face.size(); ++i)
-        if (raster.face[i] != kNoFace) region[i] = chart_of_face_[raster.face[i]];
-      report.convention = detect_normal_convention(image, region);
-    } else {
-      report.transparent_share = transparent_share(image, raster, scan_.materials[material]);
+      report.convention = detect_normal_convention(image, charts_in(material, image));
+      return report;
     }
+    report.is_cut_out = use == "alpha" || report.info.has_alpha;
+    if (!report.is_cut_out) return report;
+    const int width = std::min(image.width_px, grid_.size_px),
+              height = std::min(image.height_px, grid_.size_px);
+    const UvRaster raster = rasterise_uvs(scan_, materials_[material].triangles, topology_, material, width,
+                                          height, grid_.max_tests);
+    const ScanMaterial& of = scan_.materials[material];
+    report.transparent_share = use == "alpha"
+                                   ? transparent_share(read_alpha_picture(of), 0, raster, width, height, of)
+                                   : transparent_share(image, image.channels - 1, raster, width, height, of);
     return report;
   }
 
+  /// The chart of each texel of a normal map.
+  std::vector<uint32_t> charts_in(uint16_t material, const Image& image) const {
+    const UvRaster raster = rasterise_uvs(scan_, materials_[material].triangles, topology_, material,
+                                          image.width_px, image.height_px);
+    std::vector<uint32_t> region(static_cast<size_t>(image.width_px) * image.height_px, kNoRegion);
+    for (size_t i = 0; i < raster.face.size(); ++i)
+      if (raster.face[i] != kNoFace) region[i] = chart_of_face_[raster.face[i]];
+    return region;
+  }
+
+  /// Materials often share a picture: the last one is kept.
+  const Image& read_once(const ScanPicture& picture, ImageFileInfo& info) {
+    const bool is_plain = picture.view.is_plain();
+    if (!is_plain || picture.file != last_file_) last_ = read_image(picture, &last_info_);
+    last_file_ = is_plain ? picture.file : std::filesystem::path();
+    info = last_info_;
+    return last_;
+  }
+
   const Scan& scan_;
-  const std::vector<ScanTriangle>& triangles_;
   const MeshTopology& topology_;
-  std::vector<uint32_t> chart_of_face_;
+  const std::vector<MaterialFaces> materials_;
+  const UvGrid grid_;
+  const std::vector<uint32_t> chart_of_face_;
+  std::filesystem::path last_file_;
+  Image last_;
+  ImageFileInfo last_info_;
 };
 
 }  // namespace
 
-InspectReport inspect_scan(const Scan& scan, const std::optional<std::string>& unit_option) {
+InspectReport inspect_scan(const Scan& scan, const std::optional<std::string>& unit_option,
+                           bool up_is_given) {
   InspectReport report;
   report.file = scan.file.string();
   report.groups = scan.groups;
@@ -164,6 +212,10 @@ InspectReport inspect_scan(const Scan& scan, const std::optional<std::string>& u
   report.bounds = bounds_of_faces(scan);
   report.unit = unit_option ? UnitGuess{unit_cm_of(*unit_option), "given by --unit " + *unit_option, ""}
                             : guess_unit(scan);
+  if (report.unit.unit_cm && !up_is_given) report.lying = lying_reason(scan, *report.unit.unit_cm);
+  const double height_cm =
+      (static_cast<double>(report.bounds.high.y) - report.bounds.low.y) * report.unit.unit_cm.value_or(0);
+  if (height_cm > kShortestPerson_cm) report.facing = facing_elsewhere(scan);
   const std::vector<ScanTriangle> triangles = triangulate(scan);
   const MeshTopology topology = mesh_topology(scan);
   std::vector<double> face_area(scan.face_count(), 0);

@@ -17,8 +17,8 @@ struct PictureReport {
   std::string use;   // "diffuse", "alpha" or "normal"
   std::string file;  // as ScanPicture::file
   ImageFileInfo info;
-  double transparent_share =
-      0;  // of the covered texels: alpha below 1 (diffuse and alpha with an alpha channel)
+  bool is_cut_out = false;            // the alpha picture, or a diffuse one with an alpha channel
+  double transparent_share = 0;       // of the covered texels: not opaque, if is_cut_out
   NormalConventionResult convention;  // of normal maps
 };
 
@@ -47,6 +47,8 @@ struct InspectReport {
   // Size, in the file's unit; unit as the file, the height or the user says.
   Bounds bounds;
   UnitGuess unit;
+  std::string lying;   // lying_reason, where the unit is known
+  std::string facing;  // facing_elsewhere, of a person whose unit is known
   // Faces and edges of the mesh welded across UV seams.
   size_t points = 0;           // vertices after welding
   size_t zero_area_faces = 0;  // no area in 3-D, as faces with a repeated vertex have none
@@ -62,9 +64,11 @@ struct InspectReport {
   std::vector<Warning> warnings;
 };
 
-/// Measures everything; `unit_option` as in resolve_unit_cm, but an unknown unit is a warning here.
+/// Measures everything; `unit_option` as in resolve_unit_cm, but an unknown unit is a warning here, and so is
+/// a scan that seems to lie or to face elsewhere, unless `up_is_given` (--up: it is meant).
 /// Throws InputError for a wrong unit word and for a picture that cannot be decoded.
-InspectReport inspect_scan(const Scan& scan, const std::optional<std::string>& unit_option);
+InspectReport inspect_scan(const Scan& scan, const std::optional<std::string>& unit_option,
+                           bool up_is_given = false);
 
 /// The report as a readable table, lines of at most about 110 characters.
 std::string inspect_text(const InspectReport& report);

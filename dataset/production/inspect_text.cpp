@@ -37,8 +37,7 @@ std::string picture_line(const PictureReport& p) {
   if (p.use == "normal")
     line +=
         formatted("; convention: %s (curl ratio %.1f)", name_of(p.convention.convention), p.convention.ratio);
-  if (p.use != "normal" && p.info.has_alpha)
-    line += formatted("; %.3g %% transparent", 100 * p.transparent_share);
+  if (p.is_cut_out) line += formatted("; %.3g %% transparent", 100 * p.transparent_share);
   return line + "\n";
 }
 
@@ -69,7 +68,7 @@ ordered_json picture_json(const PictureReport& p) {
     json["curl_ratio"] = p.convention.ratio;
     json["curl_opengl"] = p.convention.curl_opengl;
     json["curl_directx"] = p.convention.curl_directx;
-  } else if (p.info.has_alpha) {
+  } else if (p.is_cut_out) {
     json["transparent_share"] = p.transparent_share;
   }
   return json;
@@ -88,6 +87,7 @@ ordered_json material_json(const MaterialReport& m) {
   json["opacity"] = m.opacity;
   json["alpha_cutoff"] = m.alpha_cutoff ? ordered_json(*m.alpha_cutoff) : ordered_json();
   json["has_vertex_colours"] = m.has_vertex_colours;
+  json["uv_grid_px"] = m.uv.grid_px;
   json["pictures"] = ordered_json::array();
   for (const PictureReport& p : m.pictures) json["pictures"].push_back(picture_json(p));
   return json;
@@ -120,6 +120,8 @@ std::string inspect_text(const InspectReport& r) {
     if (m.uv.is_measured && m.uv.face_count > m.uv.faces_without_uv)
       text += formatted(", UVs cover %.3g %% of the picture, %.3g %% of that overlaps, %.3g %% is mirrored",
                         100 * m.uv.coverage, 100 * m.uv.overlap_share, 100 * m.uv.flipped_share);
+    if (m.uv.is_measured && m.uv.grid_px < UvGrid().size_px)
+      text += formatted(" (estimated at %d x %d points: more would take long)", m.uv.grid_px, m.uv.grid_px);
     text += "\n";
     for (const PictureReport& p : m.pictures) text += picture_line(p);
     if (m.opacity < 1) text += formatted("  opacity  %.3g\n", m.opacity);

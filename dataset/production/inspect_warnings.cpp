@@ -7,6 +7,7 @@ namespace {
 
 /// Shares below these are noise of real layouts and not worth a line.
 constexpr double kOverlapShare = 0.001, kFlippedShare = 0.001, kTransparentShare = 0.001;
+constexpr double kAllTransparent = 0.999;
 
 std::string percent(double share) {
   char text[32];
@@ -113,8 +114,10 @@ void warn_about_pictures(const MaterialReport& m, const InspectReport& report, W
         p.use == "diffuse" && is_cut && !has_alpha,
         who + percent(p.transparent_share) + " of the diffuse picture is transparent, but no cut-out is set",
         mends.cut_out);
-    warnings.add(p.use == "alpha" && p.info.has_alpha && !is_cut,
-                 who + "the cut-out picture is opaque everywhere",
+    warnings.add(p.use == "alpha" && p.transparent_share > kAllTransparent,
+                 who + "the cut-out picture is clear wherever faces show it: nothing would be seen",
+                 "invert it if white means clear in it; white is opaque here");
+    warnings.add(p.use == "alpha" && !is_cut, who + "the cut-out picture is opaque everywhere",
                  "remove it: rays would test it for nothing");
     warnings.add(p.use == "normal" && p.convention.convention == NormalConvention::kDirectX,
                  who + "the normal map is of the DirectX kind (green down)", "flip its green channel");
@@ -137,6 +140,11 @@ std::vector<Warning> inspect_warnings(const InspectReport& report, bool unit_giv
       unit_given && (height_cm > 250 || height_cm < 15),
       "in that unit the scan is " + std::to_string(static_cast<long long>(height_cm + 0.5)) + " cm high",
       "check --unit");
+  warnings.add(!report.lying.empty(), report.lying,
+               "label, inspect: turn it with --up z (or -z, x, -x); --up y if it is meant to lie");
+  warnings.add(!report.facing.empty(),
+               "the feet point to " + report.facing + ": the person seems to face there, not +Z",
+               "view 0 of a render would not be frontal: turn it about Y in your modelling program");
   for (const MaterialReport& material : report.materials) {
     warn_about_pictures(material, report, warnings);
     if (material.uv.face_count > 0) warn_about_uv(material, warnings);

@@ -217,12 +217,14 @@ LabelReport label_scan(const LabelJob& job) {
     throw InputError("", "--rules", "--faces, --strokes and --automatic exclude each other",
                      "give one of them");
   AtomicFolder folder(job.output, "regions", {job.scan, job.rules, job.faces, job.strokes, job.truth});
-  const Scan scan = read_scan(job.scan);
+  Scan scan = read_scan(job.scan);
+  turn_up(scan, job.up);
   folder.protect(picture_files(scan));
   const std::vector<double> areas = face_areas(scan);
   LabelReport report;
   report.scan = job.scan.filename().string();
   report.unit_cm = job.unit.empty() ? guess_unit(scan).unit_cm : unit_cm_of(job.unit);
+  if (report.unit_cm) expect_upright(scan, *report.unit_cm, job.up);
   report.scan_sha256 = sha256_of_file(job.scan);
   Labels labels;
   if (!job.strokes.empty() || job.automatic) {
@@ -233,7 +235,7 @@ LabelReport label_scan(const LabelJob& job) {
     report.method = "faces";
     labels.face_class = classes_of_file(job.faces, scan, job);
   }
-  const Regions regions{labels.face_class, report.scan_sha256};
+  const Regions regions{labels.face_class, report.scan_sha256, job.up};
   report_classes(regions.face_class, areas, report);
   if (report.unlabelled.faces > 0)
     report.warnings.push_back(std::to_string(report.unlabelled.faces) +

@@ -26,6 +26,7 @@ struct LabelJob {
   std::vector<std::string> classes;
   std::filesystem::path truth;  // known classes to compare with; empty: none
   std::string unit;             // as --unit; empty: guessed. Needed for strokes and start labels
+  std::string up;               // as turn_up (scan_unit.h); empty: Y, and it must not seem to lie
   RefineBorders refine = RefineBorders::kAuto;
   std::filesystem::path output;  // REGIONS folder, written whole or not at all
 };

@@ -69,11 +69,18 @@ Json changed_runs(const std::vector<uint8_t>& before, const std::vector<uint8_t>
   return runs;
 }
 
+Scan turned_scan(const LabelServeJob& job) {
+  Scan scan = read_scan(job.scan);
+  turn_up(scan, job.up);
+  return scan;
+}
+
 class Session {
  public:
   explicit Session(const LabelServeJob& job)
-      : scan_(read_scan(job.scan)),
+      : scan_(turned_scan(job)),
         unit_cm_(resolve_unit_cm(scan_, job.unit.empty() ? std::nullopt : std::optional(job.unit))) {
+    expect_upright(scan_, unit_cm_, job.up);
     strokes_.scan_sha256 = sha256_of_file(job.scan);
     if (!job.strokes.empty()) {
       const Strokes given = read_strokes(job.strokes, scan_, unit_cm_);

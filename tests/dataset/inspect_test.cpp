@@ -1,9 +1,11 @@
 #include "dataset/production/inspect.h"
 
+#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "dataset/model/scan_unit.h"
 #include "dataset/production/uv_layout.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/shared_data.h"
@@ -63,6 +65,131 @@ TEST(Inspect, UnitIsAskedForAndNeverGuessedForBusts) {
   EXPECT_TRUE(warns(inspect_text_of(bust, std::nullopt), "32"));
   EXPECT_EQ(inspect_text_of(bust, "inch").unit.unit_cm, 2.54);
   EXPECT_TRUE(warns(inspect_text_of(bust, "m"), "3200 cm high"));
+}
+
+/// A box of that size, in cm, with its corner at the origin.
+std::string box(double x, double y, double z) {
+  std::string text;
+  for (int i = 0; i < 8; ++i) {
+    char line[96];
+    std::snprintf(line, sizeof line, "v %g %g %g\n", i & 1 ? x : 0, i & 2 ? y : 0, i & 4 ? z : 0);
+    text += line;
+  }
+  return text + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+}
+
+Scan scan_of(const std::string& obj) {
+  const TemporaryFolder folder;
+  return read_scan(write_bytes(folder / "scan.obj", obj));
+}
+
+TEST(ScanUnit, APersonThatLiesIsNoticedWhateverTellsTheUnit) {
+  for (const auto& [text, unit] : {std::pair<std::string, const char*>(box(0.5, 0.3, 1.7), "m"),
+                                   {box(1.7, 0.3, 0.5), "m"},
+                                   {box(500, 300, 1700), "mm"}}) {
+    EXPECT_TRUE(warns(inspect_text_of(text, unit), "it lies")) << unit;
+    EXPECT_TRUE(warns(inspect_text_of(text, std::nullopt), "it lies")) << unit;
+    EXPECT_FALSE(inspect_text_of(text, std::nullopt).unit.unit_cm.has_value());
+    const Scan scan = scan_of(text);
+    expect_message(input_error_of([&] { expect_upright(scan, unit_cm_of(unit), ""); }),
+                   {"scan.obj", "it lies", "--up z", "--up y"});
+    EXPECT_NO_THROW(expect_upright(scan, unit_cm_of(unit), "y")) << "it is meant";
+  }
+  Scan stated = scan_of(box(0.5, 0.3, 1.7));
+  stated.stated_unit_cm = 100;
+  EXPECT_EQ(guess_unit(stated).unit_cm, 100);
+  EXPECT_FALSE(lying_reason(stated, 100).empty());
+  turn_up(stated, "z");
+  EXPECT_TRUE(lying_reason(stated, 100).empty());
+  EXPECT_EQ(guess_unit(stated).unit_cm, 100);
+}
+
+TEST(ScanUnit, PartsAndObjectsAreNotCalledLying) {
+  // Shoes, a hand, a head, a chair-like thing, spread arms, a bust with spread arms.
+  for (const auto& [text, unit] : {std::pair<std::string, const char*>(box(25, 12, 30), "cm"),
+                                   {box(9, 20, 4), "cm"},
+                                   {box(18, 28, 22), "cm"},
+                                   {box(60, 90, 60), "cm"},
+                                   {box(175, 170, 30), "cm"}}) {
+    EXPECT_FALSE(warns(inspect_text_of(text, unit), "it lies")) << text;
+    EXPECT_FALSE(warns(inspect_text_of(text, std::nullopt), "it lies")) << text;
+  }
+  EXPECT_TRUE(warns(inspect_text_of(box(25, 12, 30), std::nullopt), "a part of a person, or an object"));
+  Scan shoe = scan_of(box(0.2, 0.1, 0.3));
+  shoe.stated_unit_cm = 100;
+  expect_message(guess_unit(shoe).reason, {"10 cm high", "a part of a person, or an object"});
+}
+
+TEST(ScanUnit, FeetAreAUnitOfStandingPeopleOnly) {
+  EXPECT_EQ(inspect_text_of(box(1.64, 5.577, 0.98), std::nullopt).unit.unit_cm, 30.48);
+  EXPECT_FALSE(inspect_text_of(box(11, 5.5, 9), std::nullopt).unit.unit_cm.has_value()) << "a boot in inches";
+  EXPECT_EQ(inspect_text_of(box(1, 1, 1), "foot").unit.unit_cm, 30.48);
+}
+
+TEST(ScanUnit, TurnsAreProperAndBringTheAxisUp) {
+  for (const char* up : {"x", "y", "z", "-x", "-y", "-z"}) {
+    Scan scan;
+    const std::string axis = up;
+    Vec3f along;
+    (axis.back() == 'x' ? along.x : axis.back() == 'y' ? along.y : along.z) = axis.size() == 2 ? -1.0f : 1.0f;
+    scan.positions = {along, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    turn_up(scan, up);
+    EXPECT_EQ(scan.positions[0].y, 1) << up;
+    EXPECT_EQ(dot(cross(scan.positions[1], scan.positions[2]), scan.positions[3]), 1) << up << ": mirrored";
+  }
+  Scan blender;
+  blender.positions = {{0, -1, 0}};
+  turn_up(blender, "z");
+  EXPECT_EQ(blender.positions[0].z, 1) << "people face -Y in Blender";
+  Scan scan;
+  expect_message(input_error_of([&] { turn_up(scan, "w"); }), {"--up", "'w' is no axis"});
+}
+
+TEST(ScanUnit, FeetTellWhereAPersonFaces) {
+  // A body, and shoes at its lower end that reach forward, backward or aside.
+  const auto person = [](float x0, float x1, float z0, float z1) {
+    Scan scan = scan_of(box(40, 170, 30));
+    const auto first = static_cast<uint32_t>(scan.positions.size());
+    for (int layer = 0; layer < 5; ++layer)
+      for (const Vec3f& p : {Vec3f{x0, 0, z0}, {x1, 0, z0}, {x1, 0, z1}, {x0, 0, z1}}) {
+        const float shrunk = layer < 1 ? 1.0f : 0.1f;  // sole, then the shin above it
+        scan.positions.push_back(
+            {20 + (p.x - 20) * shrunk, 4.0f * static_cast<float>(layer), 15 + (p.z - 15) * shrunk});
+      }
+    scan.face_begin.pop_back();
+    for (uint32_t layer = 0; layer < 5; ++layer) {
+      scan.face_begin.push_back(static_cast<uint32_t>(scan.corners.size()));
+      for (uint32_t i = 0; i < 4; ++i) scan.corners.push_back({first + 4 * layer + i});
+      scan.face_material.push_back(0);
+      scan.face_group.push_back(0);
+    }
+    scan.face_begin.push_back(static_cast<uint32_t>(scan.corners.size()));
+    return facing_elsewhere(scan);
+  };
+  EXPECT_EQ(person(10, 30, 10, 60), "");
+  EXPECT_EQ(person(10, 30, -30, 20), "-Z");
+  EXPECT_EQ(person(15, 65, 5, 25), "+X");
+  EXPECT_EQ(person(-25, 25, 5, 25), "-X");
+  EXPECT_EQ(facing_elsewhere(scan_of(box(40, 170, 30))), "");
+}
+
+/// Cards that all show the whole picture: the measure is estimated, in bounded time.
+TEST(UvLayout, OverlappingCardsAreMeasuredInSeconds) {
+  std::string text = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+  for (int i = 0; i < 2000; ++i) {
+    for (const char* corner : {"0 0", "1 0", "1 1", "0 1"})
+      text += "v " + std::string(corner) + " " + std::to_string(i) + "\n";
+    text += "f -4/1 -3/2 -2/3 -1/4\n";
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const InspectReport report = inspect_text_of(text);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(60)) << "2 s on a quiet machine";
+  const UvLayout& uv = report.materials.at(0).uv;
+  EXPECT_TRUE(uv.is_measured);
+  EXPECT_LT(uv.grid_px, 2048);
+  EXPECT_EQ(uv.coverage, 1);
+  EXPECT_EQ(uv.overlap_share, 1);
+  EXPECT_NE(inspect_text(report).find("estimated at"), std::string::npos);
 }
 
 TEST(UvLayout, OverlapCoverageAndFlips) {

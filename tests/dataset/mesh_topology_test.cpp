@@ -78,9 +78,9 @@ TEST(ScanUnit, AsksWhereItCannotTell) {
     return input_error_of([&] { resolve_unit_cm(scan, std::nullopt); });
   };
   expect_message(message(scan_of(box_obj(32))), {"32", "--unit"});
-  expect_message(message(scan_of(box_obj(175, "xzy"))), {"Z-up or lying", "Y up"});
-  expect_message(message(scan_of(box_obj(175, "yxz"))), {"X-up or lying", "Y up"});
-  expect_message(input_error_of([] { unit_cm_of("foot"); }), {"foot", "inch"});
+  expect_message(message(scan_of(box_obj(175, "xzy"))), {"Z-up", "--up z", "Y up"});
+  expect_message(message(scan_of(box_obj(175, "yxz"))), {"X-up", "--up", "Y up"});
+  expect_message(input_error_of([] { unit_cm_of("ell"); }), {"ell", "inch"});
   Scan stated = scan_of(box_obj(17500));
   stated.stated_unit_cm = 1;
   expect_message(message(stated), {"states 1 cm", "--unit"});
