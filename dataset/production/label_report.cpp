@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -12,6 +13,16 @@ namespace {
 std::string shortened(const std::string& text) {
   constexpr size_t kLongest = 60;
   return text.size() <= kLongest ? text : text.substr(0, kLongest) + "...";
+}
+
+/// "skin: the word 'head' of Wolf3D_Head, ..." of a rule with words, else the rule.
+std::string deciding_text(const RuleReport& rule) {
+  if (rule.words.empty()) return shortened(rule.text);
+  constexpr size_t kNamed = 6;
+  std::string text = std::string(kClassNames[rule.material_class]) + ":";
+  for (size_t i = 0; i < std::min(kNamed, rule.words.size()); ++i)
+    text += fmt::format("{} '{}' in {}", i ? "," : "", rule.words[i].second, shortened(rule.words[i].first));
+  return text + (rule.words.size() > kNamed ? fmt::format(" and {} more", rule.words.size() - kNamed) : "");
 }
 
 double share(double part, double whole) {
@@ -130,7 +141,8 @@ void report_classes(const std::vector<uint8_t>& face_class, const std::vector<do
 void report_rules(const LabelRules& rules, const RuleOutcome& outcome, const std::vector<double>& area,
                   bool warn_of_idle, LabelReport& report) {
   for (size_t r = 0; r < rules.rules.size(); ++r)
-    report.rules.push_back({rules.rules[r].text, rules.rules[r].material_class, outcome.matched[r], {}});
+    report.rules.push_back(
+        {rules.rules[r].text, rules.rules[r].material_class, outcome.matched[r], {}, outcome.words[r]});
   for (size_t f = 0; f < outcome.rule_of_face.size(); ++f) {
     if (outcome.rule_of_face[f] < 0) continue;
     ClassShare& took = report.rules[static_cast<size_t>(outcome.rule_of_face[f])].took;
@@ -183,9 +195,12 @@ nlohmann::ordered_json to_json(const LabelReport& report) {
     json["classes"][kClassNames[c]] = share_json(report.classes[c], report);
   json["unlabelled"] = share_json(report.unlabelled, report);
   json["rules"] = nlohmann::ordered_json::array();
-  for (const RuleReport& rule : report.rules)
+  for (const RuleReport& rule : report.rules) {
     json["rules"].push_back(
         {{"rule", rule.text}, {"matched_faces", rule.matched}, {"took", share_json(rule.took, report)}});
+    for (const auto& [name, word] : rule.words)
+      json["rules"].back()["words"].push_back({{"name", name}, {"word", word}});
+  }
   if (report.inferred) json["inferred"] = inference_json(*report.inferred, report);
   if (report.texel_borders) json["texel_borders"] = borders_json(*report.texel_borders);
   if (report.truth) json["truth"] = truth_json(*report.truth);
@@ -207,7 +222,7 @@ std::string to_text(const LabelReport& report) {
     if (report.rules[r].took.faces > 0)
       text += fmt::format(
           "  rule {}: {} faces, {:.2f} % of the area ({})\n", r + 1, report.rules[r].took.faces,
-          100 * share(report.rules[r].took.area, report.total_area), shortened(report.rules[r].text));
+          100 * share(report.rules[r].took.area, report.total_area), deciding_text(report.rules[r]));
   if (report.inferred) text += inference_text(*report.inferred, report);
   if (report.texel_borders) text += borders_text(*report.texel_borders);
   if (report.truth) text += truth_text(*report.truth);

@@ -35,8 +35,9 @@ struct TruthComparison {
 struct RuleReport {
   std::string text;
   MaterialClass material_class = kUnlabelled;
-  uint64_t matched = 0;  // faces
-  ClassShare took;       // matched and not taken by a later rule
+  uint64_t matched = 0;                                    // faces
+  ClassShare took;                                         // matched and not taken by a later rule
+  std::vector<std::pair<std::string, std::string>> words;  // as RuleOutcome::words
 };
 
 /// Of labels that were inferred from strokes, or from body, colour and texture.

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <set>
 #include <sstream>
 
 #include "dataset/model/colour.h"
 #include "dataset/model/lab_colour.h"
 #include "dataset/model/text_lines.h"
 #include "dataset/model/xml_document.h"
+#include "dataset/production/name_words.h"
 
 namespace ohb {
 namespace {
@@ -72,20 +74,24 @@ MaterialClass read_class(const XmlDocument& xml, pugi::xml_node node, const char
 }
 
 LabelRule read_rule(const XmlDocument& xml, pugi::xml_node node) {
-  xml.expect_attributes(node, {"class", "name", "material", "group", "uv_polygon", "colour_space",
-                               "colour_low", "colour_high"});
+  xml.expect_attributes(node, {"class", "name", "material", "group", "words", "except", "uv_polygon",
+                               "colour_space", "colour_low", "colour_high"});
   LabelRule rule;
   rule.material_class = read_class(xml, node, "class");
   rule.name = xml.text_or(node, "name", "");
   rule.material = xml.text_or(node, "material", "");
   rule.group = xml.text_or(node, "group", "");
+  rule.words = xml.text_or(node, "words", "");
+  rule.except = xml.text_or(node, "except", "");
+  if (!rule.except.empty() && rule.words.empty())
+    throw xml.error(node, "except without words: it takes names out of them", "give words=\"...\" too");
   if (node.attribute("uv_polygon")) rule.uv_polygon = read_polygon(xml, node);
   if (node.attribute("colour_space") || node.attribute("colour_low") || node.attribute("colour_high"))
     rule.colour = read_colour_range(xml, node);
-  if (rule.name.empty() && rule.material.empty() && rule.group.empty() && rule.uv_polygon.empty() &&
-      !rule.colour)
+  if (rule.name.empty() && rule.material.empty() && rule.group.empty() && rule.words.empty() &&
+      rule.uv_polygon.empty() && !rule.colour)
     throw xml.error(node, "the rule has no condition",
-                    "give name, material, group, uv_polygon or colour_..., or the default of <rules>");
+                    "give words, name, material, group, uv_polygon or colour_..., or the default of <rules>");
   for (const pugi::xml_attribute& attribute : node.attributes())
     rule.text +=
         (rule.text.empty() ? "" : " ") + std::string(attribute.name()) + "=\"" + attribute.value() + "\"";
@@ -128,6 +134,17 @@ std::vector<bool> matches_of(const std::string& glob, const std::vector<std::str
   return matches;
 }
 
+/// The word of each name that the rule's words take, "" where they take none.
+std::vector<std::string> words_taken(const LabelRule& rule, const std::vector<std::string>& names) {
+  std::vector<std::string> taken;
+  for (const std::string& name : names) {
+    const std::vector<std::string> words = words_of_name(name);
+    const bool is_exception = !matching_word(rule.except, words).empty();
+    taken.push_back(is_exception ? "" : matching_word(rule.words, words));
+  }
+  return taken;
+}
+
 /// One alternative, both texts in lower case. The last * is retried ever further on.
 bool matches_one(std::string_view glob, std::string_view text) {
   size_t g = 0, t = 0, star = std::string_view::npos, star_text = 0;
@@ -153,6 +170,42 @@ std::string lower_case(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
   return text;
 }
+
+/// The conditions of a rule that names decide, answered once a name.
+class NameConditions {
+ public:
+  NameConditions(const LabelRule& rule, const std::vector<std::string>& materials,
+                 const std::vector<std::string>& groups)
+      : materials_(materials),
+        groups_(groups),
+        has_words_(!rule.words.empty()),
+        by_material_(matches_of(rule.material, materials)),
+        by_group_(matches_of(rule.group, groups)),
+        name_of_material_(matches_of(rule.name, materials)),
+        name_of_group_(matches_of(rule.name, groups)),
+        word_of_material_(words_taken(rule, materials)),
+        word_of_group_(words_taken(rule, groups)) {}
+
+  bool hold(uint16_t material, uint16_t group) const {
+    return by_material_[material] && by_group_[group] &&
+           (name_of_material_[material] || name_of_group_[group]) &&
+           (!has_words_ || !word_of_material_[material].empty() || !word_of_group_[group].empty());
+  }
+  /// Adds the name that decided, with its word: that of the material goes first.
+  void add_word(uint16_t material, uint16_t group, std::set<std::pair<std::string, std::string>>& to) const {
+    if (!has_words_) return;
+    const bool is_material = !word_of_material_[material].empty();
+    const auto pair = is_material ? std::pair(materials_[material], word_of_material_[material])
+                                  : std::pair(groups_[group], word_of_group_[group]);
+    to.insert(pair);
+  }
+
+ private:
+  const std::vector<std::string>&materials_, &groups_;
+  const bool has_words_;
+  const std::vector<bool> by_material_, by_group_, name_of_material_, name_of_group_;
+  const std::vector<std::string> word_of_material_, word_of_group_;
+};
 
 }  // namespace
 
@@ -190,16 +243,14 @@ std::vector<uint8_t> apply_rules(const LabelRules& rules, const Scan& scan,
   outcome.matched.assign(rules.rules.size(), 0);
   std::vector<std::string> material_names;
   for (const ScanMaterial& material : scan.materials) material_names.push_back(material.name);
+  outcome.words.assign(rules.rules.size(), {});
   for (size_t r = 0; r < rules.rules.size(); ++r) {
     const LabelRule& rule = rules.rules[r];
-    const std::vector<bool> by_material = matches_of(rule.material, material_names);
-    const std::vector<bool> by_group = matches_of(rule.group, scan.groups);
-    const std::vector<bool> name_of_material = matches_of(rule.name, material_names);
-    const std::vector<bool> name_of_group = matches_of(rule.name, scan.groups);
+    const NameConditions names(rule, material_names, scan.groups);
+    std::set<std::pair<std::string, std::string>> words;
     for (size_t f = 0; f < faces; ++f) {
       const uint16_t material = scan.face_material[f], group = scan.face_group[f];
-      if (!by_material[material] || !by_group[group]) continue;
-      if (!name_of_material[material] && !name_of_group[group]) continue;
+      if (!names.hold(material, group)) continue;
       if (!rule.uv_polygon.empty()) {
         const std::optional<Vec2f> uv = mean_uv(scan, f);
         if (!uv || !contains(rule.uv_polygon, *uv)) continue;
@@ -208,7 +259,9 @@ std::vector<uint8_t> apply_rules(const LabelRules& rules, const Scan& scan,
       face_class[f] = rule.material_class;
       outcome.rule_of_face[f] = static_cast<int>(r);
       ++outcome.matched[r];
+      names.add_word(material, group, words);
     }
+    outcome.words[r].assign(words.begin(), words.end());
   }
   return face_class;
 }

@@ -2,6 +2,7 @@
 //
 //   <rules schema="1.0" default="fabric">
 //     <rule class="skin" material="*skin*|face" />
+//     <rule class="skin" words="head|hand" except="*wear|band" />
 //     <rule class="leather" group="shoe*" uv_polygon="0.1,0.2 0.5,0.2 0.5,0.9" />
 //     <rule class="hair" colour_space="lab" colour_low="0,-20,-20" colour_high="30,20,20" />
 //   </rules>
@@ -13,6 +14,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "dataset/model/regions.h"
@@ -36,6 +38,8 @@ struct LabelRule {
   std::string name;                   // glob: the material or the group has such a name
   std::string material;               // glob
   std::string group;                  // glob
+  std::string words;                  // whole words of the material's or the group's name (name_words.h)
+  std::string except;                 // words of names that `words` does not take after all
   std::vector<Vec2f> uv_polygon;      // the mean of the face's UVs lies inside (even-odd rule)
   std::optional<ColourRange> colour;  // of the face's mean diffuse colour
   std::string text;                   // the rule as the file has it, for reports
@@ -55,6 +59,8 @@ LabelRules read_label_rules(const std::filesystem::path& file);
 struct RuleOutcome {
   std::vector<int> rule_of_face;  // index of the rule that decided, -1: default class
   std::vector<uint64_t> matched;  // faces, a rule
+  /// Of each rule with words: the names that they took, and the word of each.
+  std::vector<std::vector<std::pair<std::string, std::string>>> words;
 };
 
 /// Gives each face its class. `face_colour`: linear Rec. 709 mean of each face's diffuse colour, needed only

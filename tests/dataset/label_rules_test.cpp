@@ -5,6 +5,7 @@
 #include "dataset/model/error.h"
 #include "dataset/model/lab_colour.h"
 #include "dataset/production/label.h"
+#include "dataset/production/name_words.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_files.h"
@@ -21,6 +22,78 @@ TEST(LabelRules, GlobsKnowStarsQuestionMarksAlternativesAndNoCase) {
   EXPECT_TRUE(matches_glob("*", ""));
   EXPECT_FALSE(matches_glob("tee", "teeth"));
   EXPECT_TRUE(matches_glob(std::string(200, '*') + "b", std::string(5000, 'a') + "b"));  // no blow-up
+}
+
+TEST(LabelRules, NamesAreSplitIntoTheirWords) {
+  using Words = std::vector<std::string>;
+  EXPECT_EQ(words_of_name("Wolf3D_Headwear.001"), (Words{"wolf", "d", "headwear"}));
+  EXPECT_EQ(words_of_name("LeftArm"), (Words{"left", "arm"}));
+  EXPECT_EQ(words_of_name("HAIRBand-2 SKIN"), (Words{"hair", "band", "skin"}));
+  EXPECT_EQ(words_of_name("LArm"), (Words{"l", "arm"}));
+  EXPECT_EQ(words_of_name("M\xc3\xa4"
+                          "dchen"),
+            (Words{"m\xc3\xa4"
+                   "dchen"}));
+  EXPECT_EQ(words_of_name("_12."), Words{});
+  EXPECT_EQ(matching_word("skin|head", {"head"}), "head");
+  EXPECT_EQ(matching_word("lash", {"eye", "lashes"}), "lash");
+  EXPECT_EQ(matching_word("*shirt", {"tshirts"}), "*shirt");
+  EXPECT_EQ(matching_word("running shoe", {"red", "running", "shoes"}), "running shoe");
+  EXPECT_EQ(matching_word("running shoe", {"shoe", "running"}), "");
+  EXPECT_EQ(matching_word("", {"skin"}), "");
+}
+
+/// The class that the shipped rules give a name: "skin", ..., or "" where they say nothing.
+std::string class_by_name(const std::string& name) {
+  static const LabelRules rules = read_label_rules(program_file("assets/rules_by_name.xml"));
+  Scan scan;
+  scan.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  scan.corners = {{0}, {1}, {2}};
+  scan.face_begin = {0, 3};
+  scan.face_material = scan.face_group = {0};
+  scan.materials.resize(1);
+  scan.materials[0].name = name;
+  scan.groups = {"default"};
+  RuleOutcome outcome;
+  const uint8_t found = apply_rules(rules, scan, {}, outcome).at(0);
+  return found == kUnlabelled ? "" : kClassNames[found];
+}
+
+TEST(LabelRules, ShippedNamesMatchWholeWords) {
+  const std::pair<const char*, std::vector<const char*>> table[] = {
+      {"skin",
+       {"Wolf3D_Head", "Wolf3D_Skin", "Std_Skin_Body", "body", "Face.001", "EyeLeft", "Eyes", "Std_Nails",
+        "Wolf3D_Teeth", "leftHand", "feet", "Fingernails", "eye_shadow", "eyeshadow"}},
+      {"hair",
+       {"Wolf3D_Hair", "hair_01", "Eyebrows", "eyebrow001", "eyelashes01", "Hair_Braid", "Beard", "ponytail",
+        "body_hair", "head_hair", "LongHair", "hair cap"}},
+      {"fabric", {"Headwear",  "Wolf3D_Headwear",   "Wolf3D_Facewear", "Face_Mask",    "hairband",
+                  "Hair_Band", "bodysuit",          "body_suit",       "skinny_jeans", "tshirt",
+                  "TShirt",    "raincoat",          "Knee_Socks",      "handwear",     "headscarf",
+                  "head_band", "Wolf3D_Outfit_Top", "sweatpants",      "underwear",    "neck_tie",
+                  "sneakers",  "hair_tie",          "fur_coat",        "legwear"}},
+      {"leather",
+       {"shoes", "Footwear", "Wolf3D_Outfit_Footwear", "handbag", "Hand_Bag", "leather_jacket", "leatherette",
+        "Boots", "belt", "foot_wear_leather", "suede_gloves"}},
+      {"", {"Eyeglasses", "Eye_Glasses",  "Headphones", "head_phones", "hairclip",
+            "hair_clip",  "Hairpins",     "Necklace",   "earring",     "ear_ring",
+            "wristwatch", "default",      "chair",      "sheepskin",   "snakeskin_pattern",
+            "sunglasses", "Material.003", "surface",    "handle",      "headset",
+            "army",       "legend",       "football",   "heart"}}};
+  for (const auto& [wanted, names] : table)
+    for (const char* name : names) EXPECT_EQ(class_by_name(name), wanted) << name;
+}
+
+TEST(LabelRules, TheReportSaysWhichWordDecided) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "m.mtl", "newmtl Wolf3D_Head\nnewmtl Hair_Tie\n");
+  LabelJob job;
+  job.scan = write_bytes(folder / "s.obj", "mtllib m.mtl\nusemtl Wolf3D_Head\n" + std::string(kQuadObj) +
+                                               "usemtl Hair_Tie\nf 1/1 2/2 3/3\n");
+  job.output = folder / "regions";
+  const std::string text = to_text(label_scan(job));
+  EXPECT_NE(text.find("skin: 'head' in Wolf3D_Head"), std::string::npos) << text;
+  EXPECT_NE(text.find("fabric: 'hair tie' in Hair_Tie"), std::string::npos) << text;
 }
 
 TEST(LabelRules, LabIsThatOfTheStandard) {
@@ -117,6 +190,7 @@ TEST(LabelRules, RefusesMalformedRulesInWords) {
       {"<rules>\n<rool class='skin'/></rules>", {"line 2", "<rool> is not known inside <rules>"}},
       {"<rules><rule material='a'/></rules>", {"<rule> has no attribute 'class'"}},
       {"<rules><rule class='skin'/></rules>", {"the rule has no condition"}},
+      {"<rules><rule class='skin' except='wear'/></rules>", {"except without words"}},
       {"<rules><rule class='skin' materail='a'/></rules>", {"unknown attribute 'materail'", "spelling"}},
       {"<rules><rule class='skin' group='a' group='b'/></rules>", {"attribute 'group' occurs twice"}},
       {"<rules><rule class='skin' uv_polygon='0,0 1,0'/></rules>",
@@ -173,6 +247,15 @@ TEST(LabelRules, PartsOfAHumanByTheShippedNames) {
   const auto by_parts =
       apply_rules(read_label_rules(write_bytes(folder / "parts.xml", kPartsRules)), scan, {}, outcome);
   EXPECT_EQ(by_names, by_parts);
+}
+
+TEST(LabelRules, SharedFaultOfNames) {
+  OHB_SHARED_DATA_OR_SKIP(faults, "faults");
+  const TemporaryFolder folder;
+  LabelJob job;
+  job.scan = faults / "13-names-head-face-eye-are-skin/a.obj";
+  job.output = folder / "regions";
+  EXPECT_EQ(label_scan(job).classes[kSkin].faces, 0u);
 }
 
 TEST(LabelRules, ShippedRulesAreWellFormed) {
