@@ -20,7 +20,7 @@ MaterialClass class_from_name(const std::string& name);
 struct Regions {
   std::vector<uint8_t> face_class;  // MaterialClass
   std::string scan_sha256;          // of the scan's mesh file; guards against another mesh's labels
-  std::string up;                   // as turn_up (scan_unit.h): the axes in which it was labelled
+  std::string up = {};              // as turn_up (scan_unit.h): the axes in which it was labelled
 };
 
 /// REGIONS on disk is a folder: regions.xml (conventions, counts, scan hash), faces.txt (one class index a

@@ -25,7 +25,7 @@ struct LabelServeJob {
   std::filesystem::path scan;
   std::filesystem::path strokes;  // to start with; empty: none
   std::string unit;               // as --unit; empty: guessed
-  std::string up;                 // as --up: positions are in the turned axes
+  std::string up = {};            // as --up: positions are in the turned axes
 };
 
 /// Longest line of a request; longer ones are read over and refused.
