@@ -84,8 +84,8 @@ End end_of_current_exception() {
   }
 }
 
-/// What libraries take before main(): 128 MiB of OpenBLAS's, and the stacks of threads.
-constexpr rlim_t kStart_bytes = rlim_t{256} << 20, kStartOfThread_bytes = rlim_t{16} << 20;
+/// What libraries take: OpenBLAS 128 MiB for each thread that uses it, without an end to asking; and stacks.
+constexpr rlim_t kStart_bytes = rlim_t{256} << 20, kStartOfThread_bytes = rlim_t{144} << 20;
 
 /// Pages of this process, by system calls alone: the libraries are not ready yet.
 rlim_t mapped_bytes() {
