@@ -27,6 +27,9 @@ class BinaryParser {
 
   FbxTree parse() {
     at_ = 23;
+    if (content_[22] == 1)
+      throw InputError(file_.string(), "byte 22", "is big-endian FBX",
+                       "export it as FBX 7.4 (2014), OBJ or glTF");
     const auto version = take<uint32_t>();
     check_version(file_, "byte 23", version);
     wide_ = version >= 7500;

@@ -26,7 +26,10 @@ void FbxScene::index_connections() {
   const FbxNode* connections = file_.root().child("Connections");
   if (!connections) return;
   for (const FbxNode& c : connections->children) {
-    if (c.values.size() < 3) continue;
+    if (c.values.size() < 3 || !is_text(c, 0)) continue;
+    const std::string kind = file_.text(c, 0);
+    if (kind != "OO" && kind != "OP")
+      continue;  // of properties: "PP" and "PO" name one where others have an id
     const int64_t from = id_at(c, 1), to = id_at(c, 2);
     const std::string property = c.values.size() > 3 ? file_.text(c, 3) : "";
     parts_[to].push_back({from, property});
