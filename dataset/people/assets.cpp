@@ -7,6 +7,7 @@
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 #include "dataset/people/asset_file.h"
 
 namespace ohb::people {
@@ -91,7 +92,7 @@ Assets::Assets(const fs::path& folder, const fs::path& wardrobe)
 
 void Assets::read_wardrobe(const fs::path& file) {
   try {
-    const Json json = Json::parse(read_file(file));
+    const Json json = parse_json(read_file(file), file.string());
     skins = items_of(json.at("skins"), folder_);
     hair = items_of(json.at("hair"), folder_);
     brows = items_of(json.at("brows"), folder_);
@@ -111,7 +112,7 @@ void Assets::read_face_sliders(const std::vector<std::string>& groups) {
   const fs::path file = folder_ / "modifiers/modeling_modifiers.json";
   if (!fs::is_regular_file(file)) return;  // faces then differ by the macro sliders alone
   try {
-    for (const Json& group : Json::parse(read_asset_text(file))) {
+    for (const Json& group : parse_json(read_asset_text(file), file.string())) {
       const std::string name = group.at("group").get<std::string>();
       if (std::find(groups.begin(), groups.end(), name) == groups.end()) continue;
       for (const Json& slider : group.at("modifiers")) {

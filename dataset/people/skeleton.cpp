@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 #include "dataset/people/asset_file.h"
 
 namespace ohb::people {
@@ -19,11 +20,7 @@ constexpr size_t kMaxBones = 4096;
 using Json = nlohmann::json;
 
 Json read_json(const fs::path& file) {
-  try {
-    return Json::parse(read_asset_text(file));
-  } catch (const Json::exception& error) {
-    throw InputError(file.string(), "", error.what(), kMend);
-  }
+  return parse_json(read_asset_text(file), file.string(), kListingLimits);
 }
 
 std::vector<uint32_t> joint_vertices(const Json& joints, const std::string& name, size_t count) {

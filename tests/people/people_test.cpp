@@ -145,7 +145,7 @@ TEST(People, WrongAssetsAreRefusedInOneLineAndLeaveNothing) {
   expect_message(fault("3dobjs/base.obj", "missing"), {"base.obj", "not there"});
   expect_message(fault("3dobjs/base.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n"),
                  {"no group 'body'"});
-  expect_message(fault("rigs/default.mhskel", "{"), {"default.mhskel", "parse error"});
+  expect_message(fault("rigs/default.mhskel", "{"), {"default.mhskel", "not well-formed JSON"});
   expect_message(
       fault("rigs/default.mhskel", R"({"bones": {"a": {"head": "h", "tail": "h", "parent": "b"}}})"),
       {"default.mhskel", "bone 'a'", "parent 'b'"});
