@@ -111,17 +111,6 @@ std::optional<fs::path> newest_checkpoint(const fs::path& run) {
   return files.back();
 }
 
-void remove_torn_checkpoints(const fs::path& run) {
-  std::vector<fs::path> torn;
-  for (const auto& entry : fs::directory_iterator(run)) {
-    const std::string name = entry.path().filename().string();
-    if (name.rfind(std::string(".") + kStem, 0) == 0 && name.find(".tmp") != std::string::npos)
-      torn.push_back(entry.path());
-  }
-  std::error_code ignored;
-  for (const fs::path& file : torn) fs::remove(file, ignored);
-}
-
 json read_checkpoint_header(const fs::path& file) {
   return header_of(read_tensors(file), file);
 }

@@ -32,9 +32,6 @@ void save_weights(const std::filesystem::path& file, const nlohmann::json& heade
 /// The newest checkpoint in the run that is there; none if there is none or no such folder.
 std::optional<std::filesystem::path> newest_checkpoint(const std::filesystem::path& run);
 
-/// Removes what writers that were killed left behind (temporary files of checkpoints).
-void remove_torn_checkpoints(const std::filesystem::path& run);
-
 /// The header. Throws InputError if the file is no checkpoint of this format.
 nlohmann::json read_checkpoint_header(const std::filesystem::path& file);
 

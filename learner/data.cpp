@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
 
 #include "dataset/model/colour.h"
 #include "dataset/model/error.h"
@@ -24,10 +23,6 @@ std::string attribute_of(const Sample& sample, const std::string& name) {
 std::string person_of(const Sample& sample, const fs::path& file) {
   const std::string name = attribute_of(sample, "ohb:human");
   return name.empty() ? fs::absolute(file).parent_path().filename().string() : name;
-}
-
-bool is_view(const fs::path& file) {
-  return file.extension() == ".exr" && file.filename().string().rfind("view_", 0) == 0;
 }
 
 uint64_t hash_of(const std::string& text) {
@@ -144,30 +139,6 @@ float length_of(const Sample& sample, const std::string& file, const std::string
 
 }  // namespace
 
-Dataset read_dataset(const fs::path& folder) {
-  if (!fs::is_directory(folder))
-    throw InputError(folder.string(), "", fs::exists(folder) ? "is no folder" : "no such folder",
-                     "give the folder that holds one folder of views a person");
-  std::map<fs::path, std::vector<fs::path>> by_folder;
-  for (const auto& entry :
-       fs::recursive_directory_iterator(folder, fs::directory_options::skip_permission_denied))
-    if (entry.is_regular_file() && is_view(entry.path()))
-      by_folder[entry.path().parent_path()].push_back(entry.path());
-  if (by_folder.empty())
-    throw InputError(folder.string(), "", "holds no view_*.exr", "write them with: openhumanbrdf render");
-  std::map<std::string, Person> people;
-  for (auto& [parent, views] : by_folder) {
-    std::sort(views.begin(), views.end());
-    const std::string name = person_of(read_sample(views.front()), views.front());
-    Person& person = people[name];
-    person.name = name;
-    person.views.insert(person.views.end(), views.begin(), views.end());
-  }
-  Dataset dataset{folder, {}};
-  for (auto& [name, person] : people) dataset.people.push_back(std::move(person));
-  return dataset;
-}
-
 Split split_people(const Dataset& dataset, const std::vector<std::string>& held_out, uint64_t seed) {
   std::vector<std::string> names, out = held_out;
   for (const Person& person : dataset.people) names.push_back(person.name);
@@ -190,14 +161,6 @@ Split split_people(const Dataset& dataset, const std::vector<std::string>& held_
     throw InputError(dataset.folder.string(), "--hold-out",
                      "everybody is held out: nobody is left to train on", "hold out fewer people");
   return split;
-}
-
-std::vector<fs::path> views_of(const Dataset& dataset, const std::vector<std::string>& people) {
-  std::vector<fs::path> views;
-  for (const Person& person : dataset.people)
-    if (std::find(people.begin(), people.end(), person.name) != people.end())
-      views.insert(views.end(), person.views.begin(), person.views.end());
-  return views;
 }
 
 Example example_of(const Sample& sample, const fs::path& path, uint64_t light_key, int size_px) {

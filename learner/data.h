@@ -16,6 +16,7 @@ namespace ohb {
 struct Person {
   std::string name;                          // ohb:human of the samples
   std::vector<std::filesystem::path> views;  // sorted
+  std::vector<std::string> identities = {};  // one a view: a hash of all its attributes
 };
 
 /// A folder that holds, at any depth, folders with view_*.exr as `openhumanbrdf render` writes them.
@@ -24,9 +25,15 @@ struct Dataset {
   std::vector<Person> people;  // sorted by name
 };
 
-/// Reads the index; of each folder the first view is read whole, to learn whose it is.
-/// Throws InputError: no such folder, no view in it, a broken first view.
+/// Reads the index; of each folder the first view is read whole, of the others the header. Where render.json
+/// lists the views of a folder, view files that it does not list or that are of other settings are left out,
+/// with a warning. Elsewhere (made by hand, or by a version before identities) all views of a folder must
+/// agree. Throws InputError: no such folder, no view in it, a broken first view or header, views of one
+/// folder that are of different settings.
 Dataset read_dataset(const std::filesystem::path& folder);
+
+/// A hash of which views these people have and what their headers say: of the samples that a run trains on.
+std::string identity_of_views(const Dataset& dataset, const std::vector<std::string>& people);
 
 struct Split {
   std::vector<std::string> training, held_out;  // names of people, sorted

@@ -4,7 +4,7 @@
 
 namespace ohb {
 
-Estimator::Estimator(const std::vector<std::filesystem::path>& files_or_runs) {
+Estimator::Estimator(const std::vector<std::filesystem::path>& files_or_runs, PriorsNeeded needed) {
   std::vector<std::filesystem::path> priors;
   for (const auto& file : files_or_runs) {
     LoadedNetwork loaded = load_network(file);
@@ -14,9 +14,10 @@ Estimator::Estimator(const std::vector<std::filesystem::path>& files_or_runs) {
     } else {
       priors.push_back(file);
     }
-    if (loaded.network.task == Task::kGeometry) header_ = loaded.header;
+    if (loaded.network.task == Task::kGeometry) main_ = headers_.size();
+    headers_.push_back(loaded.header);
   }
-  priors_.emplace(priors);
+  priors_.emplace(priors, finetune_ ? PriorsNeeded::kAll : needed);
 }
 
 MaterialMaps Estimator::from_priors(const torch::Tensor& input) const {

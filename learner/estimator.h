@@ -11,23 +11,30 @@ namespace ohb {
 
 class Estimator {
  public:
-  /// Files or runs: one each of geometry, albedo and rss, and finetune or not, in any order.
-  /// Throws InputError as load_network, and for a network that is missing or given twice.
-  explicit Estimator(const std::vector<std::filesystem::path>& files_or_runs);
+  /// Files or runs: one each of geometry, albedo and rss, and finetune or not, in any order; with kAny some
+  /// of the priors will do, but not for a finetuning model. Throws InputError as load_network, and for a
+  /// network that is missing or given twice.
+  explicit Estimator(const std::vector<std::filesystem::path>& files_or_runs,
+                     PriorsNeeded needed = PriorsNeeded::kAll);
 
+  /// False: the maps of a prior that is not there are NaN.
+  bool is_whole() const { return priors_->is_whole(); }
   bool has_finetune() const { return finetune_.has_value(); }
   /// The priors' estimate of input (B, 4, H, W), see network_input.
   MaterialMaps from_priors(const torch::Tensor& input) const;
   /// The finetuning model's, or the priors' if there is none.
   MaterialMaps estimate(const torch::Tensor& input) const;
 
-  /// Header of the geometry prior: size_px it was trained at, people held out.
-  const nlohmann::json& header() const { return header_; }
+  /// Header of the geometry prior (of the first one, where there is none): size_px that it was trained at.
+  const nlohmann::json& header() const { return headers_.at(main_); }
+  /// Headers of all networks, in the order of the files: whom each was trained on, and whom it held out.
+  const std::vector<nlohmann::json>& headers() const { return headers_; }
 
  private:
   std::optional<PriorSet> priors_;
   std::optional<Network> finetune_;
-  nlohmann::json header_;
+  std::vector<nlohmann::json> headers_;
+  size_t main_ = 0;
 };
 
 }  // namespace ohb

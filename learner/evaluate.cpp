@@ -30,24 +30,49 @@ Scores no_scores() {
   return scores;
 }
 
-std::vector<std::string> people_of(const EvaluateOptions& options, const Dataset& dataset,
-                                   const nlohmann::json& header) {
-  std::set<std::string> there;
-  for (const Person& person : dataset.people) there.insert(person.name);
-  std::vector<std::string> wanted = options.people, found;
-  if (wanted.empty() && header.contains("held_out"))
-    wanted = header["held_out"].get<std::vector<std::string>>();
-  for (const std::string& name : wanted)
-    if (there.count(name))
+using TrainedOn = std::map<std::string, std::vector<std::string>>;
+
+/// Which of the networks were trained on whom.
+TrainedOn trained_on(const std::vector<nlohmann::json>& headers) {
+  TrainedOn trained;
+  for (const nlohmann::json& header : headers)
+    for (const auto& name : header.value("trained_on", std::vector<std::string>{}))
+      trained[name].push_back(header.at("task").get<std::string>());
+  return trained;
+}
+
+/// Those of `people` whom none of the networks was trained on; the others are named if they are few.
+std::vector<std::string> unseen(const std::vector<std::string>& people, const TrainedOn& trained) {
+  std::vector<std::string> found;
+  for (const std::string& name : people)
+    if (const auto by = trained.find(name); by == trained.end())
       found.push_back(name);
-    else if (!options.people.empty())
+    else
+      spdlog::warn("{} is left out: {} was trained on that person", name, fmt::join(by->second, ", "));
+  return found;
+}
+
+std::vector<std::string> people_of(const EvaluateOptions& options, const Dataset& dataset,
+                                   const Estimator& estimator, const TrainedOn& trained) {
+  std::set<std::string> there, held_out;
+  for (const Person& person : dataset.people) there.insert(person.name);
+  for (const std::string& name : options.people)
+    if (there.count(name) == 0)
       throw InputError(options.data.string(), "--person " + name, "nobody of that name is in the dataset",
                        "names are the samples' ohb:human");
-  if (found.empty()) {
-    spdlog::warn("nobody whom training held out is in {}: everybody there is evaluated",
-                 options.data.string());
-    found.assign(there.begin(), there.end());
-  }
+  if (!options.people.empty()) return options.people;
+  for (const nlohmann::json& header : estimator.headers())
+    for (const auto& name : header.value("held_out", std::vector<std::string>{}))
+      if (there.count(name)) held_out.insert(name);
+  std::vector<std::string> found = unseen({held_out.begin(), held_out.end()}, trained);
+  if (!found.empty()) return found;
+  for (const std::string& name : there)
+    if (trained.count(name) == 0) found.push_back(name);
+  if (found.empty())
+    throw InputError(options.data.string(), "", "the networks were trained on everybody there",
+                     "give other people's samples, or name some with --person: the table will mark them");
+  spdlog::warn("nobody whom training held out is in {}: everybody there is evaluated whom it was not done on",
+               options.data.string());
   return found;
 }
 
@@ -91,7 +116,10 @@ class Evaluation {
     const bool relights = relit_ && camera;
     if (relights) relit_->begin(e, *camera);
     const auto put = [&](Row row, const MaterialMaps& maps) {
-      sums_[e.person][row].add(scores_of(maps, e.truth, e.mask));
+      Scores scores = scores_of(maps, e.truth, e.mask);
+      // The picture of maps that are not all there: the shader takes NaN for dark.
+      if (row == kPriors && !estimator_.is_whole()) scores.back() = {std::nan(""), std::nan("")};
+      sums_[e.person][row].add(scores);
       if (relights) relit_->add(kRowNames[row], maps);
     };
     if (estimator_.has_finetune()) put(kFinetuned, refined);
@@ -161,17 +189,22 @@ std::string table_of(const EvaluationReport& report, double Psnr::*value, const 
 }  // namespace
 
 EvaluationReport evaluate(const EvaluateOptions& options) {
-  const Estimator estimator(options.weights);
+  const Estimator estimator(options.weights, PriorsNeeded::kAny);
   const Dataset dataset = read_dataset(options.data);
-  const std::vector<std::string> people = people_of(options, dataset, estimator.header());
+  const TrainedOn trained = trained_on(estimator.headers());
+  const std::vector<std::string> people = people_of(options, dataset, estimator, trained);
   const int size_px = options.size_px > 0 ? options.size_px : estimator.header().at("size_px").get<int>();
   if (size_px % kResolutionStep != 0)
     throw InputError("", "--size " + std::to_string(size_px), "is no multiple of 16", "give another");
   const std::vector<fs::path> views = views_of(dataset, people);
-  const auto trained_on = estimator.header().value("trained_on", std::vector<std::string>{});
-  const std::vector<fs::path> training = views_of(dataset, trained_on);
+  std::vector<std::string> names;
+  for (const auto& [name, by] : trained) names.push_back(name);
+  const std::vector<fs::path> training = views_of(dataset, names);
   std::optional<RelitScores> relit;
-  if (options.relit.views_a_person > 0) relit.emplace(options.relit);
+  if (options.relit.views_a_person > 0 && !estimator.is_whole())
+    spdlog::info("not relit: that needs all the maps, and so geometry, albedo and rss");
+  else if (options.relit.views_a_person > 0)
+    relit.emplace(options.relit);
   const auto to_relight = relit_views(dataset, people, options.relit.views_a_person);
   Evaluation evaluation(estimator, mean_maps(training.empty() ? views : training, size_px),
                         relit ? &*relit : nullptr);
@@ -189,13 +222,19 @@ EvaluationReport evaluate(const EvaluateOptions& options) {
   }
   EvaluationReport report = evaluation.report();
   report.people = people;
+  for (const std::string& name : people)
+    if (const auto by = trained.find(name); by != trained.end()) report.trained_on.insert(*by);
   report.size_px = size_px;
   if (relit) report.relit = relit->report();
   return report;
 }
 
 std::string table_of(const EvaluationReport& report) {
-  return table_of(report, &Psnr::masked,
+  std::string marks;
+  for (const auto& [name, by] : report.trained_on)
+    marks += fmt::format("TRAINED ON, not held out: {} (by {})\n\n", name, fmt::join(by, ", "));
+  return marks +
+         table_of(report, &Psnr::masked,
                   "PSNR over the foreground, dB: mean over pictures, then over people") +
          table_of(report, &Psnr::full, "PSNR over the whole frame, dB") +
          (report.relit ? table_of(*report.relit) : "");
@@ -211,6 +250,7 @@ nlohmann::json json_of(const EvaluationReport& report) {
     return json;
   };
   nlohmann::json json = {{"people", report.people},
+                         {"trained_on", report.trained_on},
                          {"pictures", report.pictures},
                          {"size_px", report.size_px},
                          {"seconds_a_picture", report.seconds_a_picture}};

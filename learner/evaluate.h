@@ -14,9 +14,10 @@
 namespace ohb {
 
 struct EvaluateOptions {
-  std::vector<std::filesystem::path> weights;  // files or runs: three priors, finetune or not
+  std::vector<std::filesystem::path>
+      weights;  // files or runs: priors, one or more; with all, finetune or not
   std::filesystem::path data;
-  std::vector<std::string> people;  // empty: those that the geometry prior held out
+  std::vector<std::string> people;  // empty: those held out, and not trained on by any of the networks
   int size_px = 0;                  // 0: as trained
   RelitOptions relit;
   bool quiet = false;
@@ -33,6 +34,7 @@ struct EvaluationRow {
 struct EvaluationReport {
   std::vector<EvaluationRow> rows;  // finetuned, priors, constant, input as albedo, 8-bit round trip
   std::vector<std::string> people;
+  std::map<std::string, std::vector<std::string>> trained_on;  // of these people: the networks that knew them
   size_t pictures = 0;
   int size_px = 0;
   double seconds_a_picture = 0;  // of the networks
@@ -46,8 +48,10 @@ struct EvaluationReport {
 /// people's where no training view is in the data); "input as albedo" takes the input for the albedo, "8-bit
 /// truth" is the truth after 8-bit storage.
 /// Relighting: RelitScores of relit_views, for all rows but "input as albedo".
-/// Throws InputError: weights or data as load_network and read_example; nobody of these names; environments
-/// as RelitScores; a sample without its camera, if it is relit.
+/// Columns of a prior that is not given are NaN, and nothing is relit. People whom one of the networks was
+/// trained on are evaluated only if they are named, and marked in the report. Throws InputError: weights or
+/// data as load_network and read_example; nobody of these names; nobody but those trained on; environments as
+/// RelitScores; a sample without its camera, if it is relit.
 EvaluationReport evaluate(const EvaluateOptions& options);
 
 /// Two tables, masked and full frame, and one of relighting, one row a line: for the terminal and for a

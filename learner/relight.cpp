@@ -9,12 +9,15 @@
 #include <stdexcept>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/blender.h"
 #include "dataset/model/environment.h"
 #include "dataset/model/error.h"
+#include "dataset/model/image.h"
 #include "dataset/model/interrupt.h"
 #include "dataset/model/json_text.h"
 #include "dataset/model/progress.h"
+#include "dataset/model/temporary.h"
 
 namespace ohb {
 namespace fs = std::filesystem;
@@ -26,29 +29,45 @@ constexpr const char* kMend =
 // How relight.py begins the lines that are for the user.
 const std::string kVoice = "relight: ", kWarning = "warning: ", kUsage = "error: ";
 
-/// A new folder below the system's temporary folder, removed with everything in it.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "humanmaterial-XXXXXX").string();
-    if (!::mkdtemp(name.data()))
-      throw TryAgainError(fs::temp_directory_path().string(), "no folder can be made there",
-                          "free some space, or set TMPDIR to a folder that can be written to");
-    path_ = name;
-    unfinished_.emplace(path_);
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const fs::path& path() const { return path_; }
+/// The files that a maps folder is made of: those of its marker, and those that maps.json names.
+std::vector<fs::path> files_of_maps(const fs::path& maps) {
+  const fs::path folder = fs::is_directory(maps) ? maps : folder_of(maps);
+  std::vector<fs::path> files = {folder / "maps.json"};
+  if (!fs::is_regular_file(files[0])) return files;
+  const nlohmann::json json = read_json(files[0]);
+  if (json.is_object() && json.contains("maps") && json["maps"].is_object())
+    for (const auto& [name, map] : json["maps"].items())
+      if (map.is_object() && map.contains("file") && map["file"].is_string())
+        files.push_back(folder / map["file"].get<std::string>());
+  return files;
+}
 
- private:
-  fs::path path_;
-  std::optional<Unfinished> unfinished_;
-};
+/// The picture must not take the place of what it is made from, or of a file of some other output.
+void check_output(const RelightOptions& options, const fs::path& output) {
+  std::vector<fs::path> inputs = files_of_maps(options.maps);
+  inputs.push_back(options.environment);
+  std::error_code ignored;
+  for (const fs::path& input : inputs)
+    if (fs::equivalent(input, output, ignored))
+      throw InputError(output.string(), "-o", "is read by this command",
+                       "choose another name for the picture");
+  check_not_owned(output);
+}
+
+/// Blender says nothing of a disk that is full while it writes.
+void check_picture(const fs::path& picture, const fs::path& output, const nlohmann::json& report) {
+  std::string fault;
+  try {
+    const Image image = read_image(picture);
+    if (report.at("size_px") != nlohmann::json({image.width_px, image.height_px}))
+      fault = "is of another size";
+  } catch (const InputError& error) {
+    fault = error.what();
+  }
+  if (!fault.empty())
+    throw TryAgainError(output.string(), "Blender did not write the picture whole (" + fault + ")",
+                        "free some space and run the command again");
+}
 
 bool take_prefix(std::string& text, const std::string& prefix) {
   if (text.compare(0, prefix.size(), prefix) != 0) return false;
@@ -136,19 +155,37 @@ fs::path linear_environment(const fs::path& environment, const fs::path& folder)
 
 }  // namespace
 
-nlohmann::json relight(const RelightOptions& given) {
-  const Blender blender = blender_of(given.blender);
-  const Scratch scratch;
-  const fs::path report = scratch.path() / "report.json";
-  RelightOptions options = given;
-  if (!given.environment.empty()) options.environment = linear_environment(given.environment, scratch.path());
+nlohmann::json relight(const RelightOptions& options) {
+  const Blender blender = blender_of(options.blender);
+  const fs::path output = followed(options.output);
+  check_output(options, output);
+  sweep_leftovers(folder_of(output));
+  // Beside the picture's place, so that it can be renamed into it.
+  const LockedTemporary scratch(output, LockedTemporary::Kind::kFolder);
+  const fs::path report_file = scratch.path() / "report.json",
+                 picture = scratch.path() / ("picture" + output.extension().string());
+  RelightOptions inside = options;
+  inside.output = picture;
+  if (!options.environment.empty())
+    inside.environment = linear_environment(options.environment, scratch.path());
   Listener listener;
   const ProcessResult result =
-      run_in_blender(blender, "blender_addon/relight.py", arguments_of(options, report), options.threads,
+      run_in_blender(blender, "blender_addon/relight.py", arguments_of(inside, report_file), options.threads,
                      scratch.path(), [&](const std::string& line) { listener.hear(line); });
   throw_if_interrupted();
+  // Blender's words are of the temporary name.
+  for (size_t at; (at = listener.error.find(picture.string())) != std::string::npos;)
+    listener.error.replace(at, picture.string().size(), options.output.string());
   if (result.exit_code != 0) fail(blender, result, listener.error);
-  return read_json(report);
+  nlohmann::json report = read_json(report_file);
+  check_picture(picture, options.output, report);
+  sync_path(picture, false);
+  std::error_code error;
+  hold_off_ending([&] { fs::rename(picture, output, error); });
+  if (error) throw_write_error(options.output, error.value());
+  sync_path(folder_of(output), true);
+  report["output"] = fs::absolute(options.output).string();
+  return report;
 }
 
 }  // namespace ohb

@@ -28,7 +28,8 @@ struct RelightOptions {
 };
 
 /// The report of relight.py: output, size_px, seconds {load, render}, blender, principled, warnings (which
-/// are also logged). Throws InputError: no Blender, one before 3.4, or what relight.py refuses, in its words.
+/// are also logged). Throws InputError: no Blender, one before 3.4, or what relight.py refuses, in its words;
+/// an output that is one of the inputs or belongs to another output.
 /// TryAgainError: the disk is full, a signal ended Blender or us, or Blender found no memory. Before what
 /// Blender itself fails with, its last lines go to stderr.
 nlohmann::json relight(const RelightOptions& options);

@@ -29,7 +29,7 @@ bool is_kept(const std::string& line, int64_t last_step) {
 
 }  // namespace
 
-RunLog::RunLog(const std::filesystem::path& file, int64_t last_step) {
+RunLog::RunLog(const std::filesystem::path& file, int64_t last_step) : file_(file) {
   std::string kept;
   if (std::filesystem::exists(file)) {
     std::istringstream old(read_file(file));
@@ -44,6 +44,8 @@ RunLog::RunLog(const std::filesystem::path& file, int64_t last_step) {
 
 void RunLog::add(const nlohmann::json& event) {
   stream_ << json_text(event) << "\n" << std::flush;
+  if (!stream_)
+    throw TryAgainError(file_.string(), "cannot be written", "free some space and go on with --resume");
 }
 
 TrainProgress::TrainProgress(int64_t first_step, int64_t steps, bool quiet)

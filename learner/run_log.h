@@ -15,10 +15,11 @@ namespace ohb {
 class RunLog {
  public:
   RunLog(const std::filesystem::path& file, int64_t last_step);
-  /// Written at once, so that a kill loses nothing.
+  /// Written at once, so that a kill loses nothing. Throws TryAgainError if the disk is full.
   void add(const nlohmann::json& event);
 
  private:
+  std::filesystem::path file_;
   std::ofstream stream_;
 };
 

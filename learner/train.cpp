@@ -6,12 +6,14 @@
 #include <thread>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/error.h"
 #include "dataset/model/interrupt.h"
 #include "dataset/model/json_text.h"
 #include "learner/hash.h"
 #include "learner/loader.h"
 #include "learner/recolour.h"
+#include "learner/run_header.h"
 #include "learner/run_log.h"
 
 namespace ohb {
@@ -25,45 +27,6 @@ enum Purpose : uint64_t { kLightPlace = 3, kMirror = 4, kRecolour = 5 };
 constexpr double kGrace_s = 6;  // for the step under way, so that it can be saved
 constexpr int64_t kMaxSkippedInARow = 10;
 constexpr double kFinalRate = 1e-6;
-
-/// What a resumed run must have in common with the run that it goes on with.
-json header_of(const TrainOptions& o, const Split& split, int64_t steps) {
-  json header = {{"format", kCheckpointFormat},
-                 {"task", name_of(o.task)},
-                 {"width", o.width},
-                 {"size_px", o.size_px},
-                 {"batch", o.batch},
-                 {"learning_rate", o.learning_rate},
-                 {"weight_decay", o.weight_decay},
-                 {"clip", o.clip},
-                 {"warmup", o.warmup},
-                 {"cosine", o.cosine},
-                 {"render_weight", o.render_weight},
-                 {"linear_render", o.linear_render},
-                 {"guidance", o.guidance == Guidance::kTruth ? "truth" : "priors"},
-                 {"mirror", o.mirror},
-                 {"seed", o.seed},
-                 {"trained_on", split.training},
-                 {"held_out", split.held_out}};
-  if (o.recolour) header["recolour"] = true;
-  if (o.balanced) header["balanced"] = true;
-  // The schedule depends on the number of steps.
-  if (o.cosine || o.warmup * 10 > steps) header["schedule_steps"] = steps;
-  return header;
-}
-
-void check_same(const json& before, const json& now, const fs::path& file) {
-  json wanted = now;
-  for (const char* only_where_it_matters : {"schedule_steps", "recolour", "balanced"})
-    if (before.contains(only_where_it_matters) && !now.contains(only_where_it_matters))
-      wanted[only_where_it_matters] = nullptr;
-  for (const auto& [key, value] : wanted.items())
-    if (!before.contains(key) || before[key] != value)
-      throw InputError(file.string(), key,
-                       "is " + (before.contains(key) ? json_text(before[key]) : "unset") +
-                           " in the run and " + json_text(value) + " now",
-                       "give the run's options, or another -o for a new run");
-}
 
 struct Batch {
   std::vector<std::string> names;
@@ -153,7 +116,7 @@ class Trainer {
         split_(split_people(dataset_, options.held_out, options.seed)),
         views_(views_of(dataset_, split_.training)),
         steps_(options.steps > 0 ? options.steps : steps_of_epochs()),
-        header_(header_of(options, split_, steps_)),
+        header_(run_header(options, dataset_, split_, steps_)),
         network_(make_seeded()),
         optimiser_(network_.module(), {options.weight_decay}) {
     if (options.guidance == Guidance::kPriors) priors_ = std::make_unique<PriorSet>(options.priors);
@@ -190,14 +153,15 @@ class Trainer {
 };
 
 int64_t Trainer::start_or_resume() {
-  make_folders(options_.run);
   const auto newest = newest_checkpoint(options_.run);
+  check_is_run(options_.run, newest.has_value());
+  claim_folder(options_.run, "a training run");
   if (!newest) return 0;
   if (!options_.resume)
     throw InputError(options_.run.string(), "", "holds a run already",
                      "add --resume to go on with it, or choose another -o");
-  remove_torn_checkpoints(options_.run);
-  check_same(read_checkpoint_header(*newest), header_, *newest);
+  sweep_leftovers(options_.run);
+  check_same_run(read_checkpoint_header(*newest), header_, *newest);
   return load_checkpoint(*newest, optimiser_).at("step").get<int64_t>();
 }
 
@@ -342,28 +306,30 @@ TrainReport train(const TrainOptions& options) {
   return Trainer(options).run();
 }
 
-PriorSet::PriorSet(const std::vector<fs::path>& files_or_runs) {
-  for (const Task task : {Task::kGeometry, Task::kAlbedo, Task::kRss}) {
-    bool found = false;
-    for (const fs::path& file : files_or_runs) {
-      LoadedNetwork loaded = load_network(file);
-      if (loaded.network.task != task) continue;
-      if (found)
-        throw InputError(file.string(), "", std::string("is a second ") + name_of(task) + " prior",
-                         "give one of each");
-      found = true;
-      networks_.push_back(loaded.network);
-    }
-    if (!found)
+PriorSet::PriorSet(const std::vector<fs::path>& files_or_runs, PriorsNeeded needed) {
+  for (const fs::path& file : files_or_runs) {
+    const LoadedNetwork loaded = load_network(file);
+    const Task task = loaded.network.task;
+    if (task != Task::kFinetune && !networks_.emplace(task, loaded.network).second)
+      throw InputError(file.string(), "", std::string("is a second ") + name_of(task) + " prior",
+                       "give one of each");
+  }
+  for (const Task task : {Task::kGeometry, Task::kAlbedo, Task::kRss})
+    if (networks_.count(task) == 0 && (needed == PriorsNeeded::kAll || networks_.empty()))
       throw InputError("", "priors", std::string("there is no ") + name_of(task) + " prior",
                        "give geometry, albedo and rss");
-  }
 }
 
 Tensor PriorSet::estimate(const Tensor& input) const {
   torch::NoGradGuard no_gradients;
   std::vector<Tensor> outputs;
-  for (const Network& network : networks_) outputs.push_back(network.forward(input, {}));
+  for (const Task task : {Task::kGeometry, Task::kAlbedo, Task::kRss}) {
+    const auto found = networks_.find(task);
+    outputs.push_back(found != networks_.end()
+                          ? found->second.forward(input, {})
+                          : torch::full({input.size(0), output_channels(task), input.size(2), input.size(3)},
+                                        std::nan("")));
+  }
   return torch::cat(outputs, 1);
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -67,15 +68,21 @@ void check_train_options(const TrainOptions& options);
 /// Learning rate of step `step` of `steps`, counted from 1.
 double learning_rate_at(const TrainOptions& options, int64_t step, int64_t steps);
 
-/// The priors' ten channels side by side, in the order of the finetuning model, without gradients.
-/// Throws InputError unless `priors` are one of geometry, albedo and rss each, in any order.
+/// Whether a set of priors must be whole.
+enum class PriorsNeeded { kAll, kAny };
+
+/// The priors' ten channels side by side, in the order of the finetuning model, without gradients; NaN in
+/// those of a prior that is not there. Throws InputError unless `priors` are one of geometry, albedo and rss
+/// each, in any order (kAny: at least one of them, none twice).
 class PriorSet {
  public:
-  explicit PriorSet(const std::vector<std::filesystem::path>& files_or_runs);
+  explicit PriorSet(const std::vector<std::filesystem::path>& files_or_runs,
+                    PriorsNeeded needed = PriorsNeeded::kAll);
+  bool is_whole() const { return networks_.size() == 3; }
   torch::Tensor estimate(const torch::Tensor& input) const;
 
  private:
-  std::vector<Network> networks_;  // geometry, albedo, rss
+  std::map<Task, Network> networks_;
 };
 
 }  // namespace ohb

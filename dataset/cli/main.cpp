@@ -8,6 +8,7 @@
 #include "dataset/cli/commands.h"
 #include "dataset/cli/version.h"
 #include "dataset/model/image.h"
+#include "dataset/model/results.h"
 #include "dataset/program/command_line.h"
 #include "dataset/program/ends.h"
 #include "dataset/program/help.h"
@@ -25,7 +26,10 @@ int run(int argc, char** argv) {
   commands.add_to(app);
   app.footer(help_footer({"openhumanbrdf inspect person.obj"},
                          "Each command has its own help: openhumanbrdf label --help"));
-  if (const std::optional<int> code = parse_command_line(app, argc, argv)) return *code;
+  if (const std::optional<int> code = parse_command_line(app, argc, argv)) {
+    flush_results();
+    return *code;
+  }
   std::unique_ptr<tbb::global_control> limit;
   if (commands.common.threads > 0) {
     limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
@@ -36,7 +40,9 @@ int run(int argc, char** argv) {
   // stdout belongs to results.
   spdlog::set_default_logger(spdlog::stderr_color_mt("openhumanbrdf"));
   spdlog::set_pattern("%^%l%$: %v");
-  return commands.run();
+  const int code = commands.run();
+  flush_results();
+  return code;
 }
 
 }  // namespace

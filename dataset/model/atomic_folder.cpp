@@ -166,6 +166,19 @@ void AtomicFolder::commit() {
   temporary_.reset();
 }
 
+void check_not_owned(const fs::path& file) {
+  std::error_code error;
+  const fs::path whole = fs::weakly_canonical(file, error);
+  if (error) return;
+  for (fs::path up = whole.parent_path(); up.has_relative_path(); up = up.parent_path()) {
+    const std::optional<FolderMarker> marker = read_marker(up);
+    if (marker && std::binary_search(marker->files.begin(), marker->files.end(),
+                                     whole.lexically_relative(up).generic_string()))
+      throw InputError(file.string(), "-o", "belongs to the " + marker->kind + " in " + up.string(),
+                       "choose another name");
+  }
+}
+
 void claim_folder(const fs::path& folder, const std::string& kind) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))

@@ -42,6 +42,10 @@ class AtomicFolder {
   std::optional<LockedTemporary> temporary_;
 };
 
+/// Throws InputError if `file` is listed in the marker of a folder above it: a command that writes one file
+/// must not spoil another output.
+void check_not_owned(const std::filesystem::path& file);
+
 /// Makes a folder that grows from run to run (samples, training runs) and marks it with its kind. Throws
 /// InputError if it is marked as another kind, or cannot be made; TryAgainError if the disk is full.
 void claim_folder(const std::filesystem::path& folder, const std::string& kind);

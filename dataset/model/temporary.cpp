@@ -132,7 +132,7 @@ LockedTemporary::LockedTemporary(const fs::path& target, Kind kind) {
     unfinished_.emplace(path_);
     handle_ = open_new(path_, kind);
     if (handle_ < 0 && errno == EEXIST) continue;
-    if (handle_ < 0) throw_write_error(path_, errno);
+    if (handle_ < 0) throw_write_error(target, errno);
     // Where there are no locks nobody sweeps either. One that is being swept was not locked in time.
     if ((::flock(handle_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) && is_same(handle_, path_)) return;
     ::close(handle_);

@@ -3,8 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/json_text.h"
 #include "dataset/program/help.h"
 #include "dataset/program/option_checks.h"
@@ -22,6 +24,13 @@ struct Arguments {
   bool no_relight = false;
 };
 
+std::vector<std::filesystem::path> inputs_of(const Arguments& arguments) {
+  std::vector<std::filesystem::path> inputs(arguments.weights.begin(), arguments.weights.end());
+  inputs.insert(inputs.end(), arguments.environments.begin(), arguments.environments.end());
+  inputs.push_back(arguments.data);
+  return inputs;
+}
+
 int run_evaluate(Arguments arguments, const CommonOptions& common) {
   EvaluateOptions& o = arguments.evaluate;
   o.weights.assign(arguments.weights.begin(), arguments.weights.end());
@@ -34,12 +43,14 @@ int run_evaluate(Arguments arguments, const CommonOptions& common) {
     limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                   static_cast<size_t>(common.threads));
   warn_of_slow_blas();
+  std::optional<AtomicFolder> folder;
+  if (!arguments.output.empty()) folder.emplace(arguments.output, "evaluation", inputs_of(arguments));
   const EvaluationReport report = evaluate(o);
   const std::string json = json_text(json_of(report), 2) + "\n", table = table_of(report);
-  if (!arguments.output.empty()) {
-    make_folders(arguments.output);
-    write_file_atomically(std::filesystem::path(arguments.output) / "evaluation.json", json);
-    write_file_atomically(std::filesystem::path(arguments.output) / "evaluation.md", table);
+  if (folder) {
+    write_file_atomically(folder->path() / "evaluation.json", json);
+    write_file_atomically(folder->path() / "evaluation.md", table);
+    folder->commit();
   }
   if (common.json) {
     std::printf("%s", json.c_str());
@@ -61,11 +72,13 @@ void add_evaluate_command(CLI::App& app, Commands& commands) {
       app.add_subcommand("evaluate", "PSNR of estimated maps on people that training held out");
   auto arguments = std::make_shared<Arguments>();
   command
-      ->add_option("RUN", arguments->weights, "runs or weights: geometry, albedo, rss, and finetune or not")
+      ->add_option("RUN", arguments->weights,
+                   "runs or weights: geometry, albedo, rss, or some of them; with all, finetune or not")
       ->required();
   command->add_option("--data", arguments->data, "folder with a folder of views a person")->required();
-  command->add_option("--person", arguments->evaluate.people,
-                      "person to evaluate; may be repeated (default: those held out)");
+  command->add_option(
+      "--person", arguments->evaluate.people,
+      "person to evaluate; may be repeated (default: those held out, and trained on by none)");
   command
       ->add_option("--size", arguments->evaluate.size_px,
                    "pixels of a side, a multiple of 16 (default: as trained)")

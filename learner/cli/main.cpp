@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "dataset/model/image.h"
+#include "dataset/model/results.h"
 #include "dataset/program/command_line.h"
 #include "dataset/program/ends.h"
 #include "dataset/program/help.h"
@@ -34,11 +35,16 @@ int run(int argc, char** argv) {
   commands.add_to(app);
   app.footer(help_footer({"humanmaterial train geometry --data dataset -o runs/geometry"},
                          "Each command has its own help: humanmaterial train --help"));
-  if (const std::optional<int> code = parse_command_line(app, argc, argv)) return *code;
+  if (const std::optional<int> code = parse_command_line(app, argc, argv)) {
+    flush_results();
+    return *code;
+  }
   // stdout belongs to results.
   spdlog::set_default_logger(spdlog::stderr_color_mt("humanmaterial"));
   spdlog::set_pattern("%^%l%$: %v");
-  return commands.run();
+  const int code = commands.run();
+  flush_results();
+  return code;
 }
 
 /// OpenMP's threads spin while they wait, which makes everything several times slower on a machine that

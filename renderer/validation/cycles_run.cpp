@@ -1,6 +1,9 @@
 #include "renderer/validation/cycles_run.h"
 
+#include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "dataset/model/atomic_file.h"
@@ -63,6 +66,12 @@ void run_or_throw(const std::vector<std::string>& arguments, const std::string& 
   const ProcessResult result = run_process(arguments, {}, nullptr);
   if (result.exit_code != 0)
     throw InputError(arguments[0], "", "failed: " + reason_of(result.last_lines), mend);
+}
+
+bool is_full_disk(const std::vector<std::string>& lines) {
+  return std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
+    return line.find(std::strerror(ENOSPC)) != std::string::npos;
+  });
 }
 
 CyclesRun read_report(const fs::path& renders) {
@@ -131,8 +140,20 @@ CyclesRun run_cycles(const Blender& blender, const fs::path& folder, int threads
                                                 if (done) done(images_done(line, finished));
                                               });
   fs::remove_all(inside);
+  if (result.exit_code != 0 && is_full_disk(result.last_lines))
+    throw TryAgainError(folder.string(), "the disk is full", "free some space and run the command again");
   if (result.exit_code != 0) throw_blender_failure(blender, result);
-  return read_report(folder / "renders");
+  std::string fault;
+  try {
+    return read_report(folder / "renders");
+  } catch (const InputError& error) {
+    fault = error.what();
+  } catch (const json::exception& error) {
+    fault = error.what();
+  }
+  // Blender says nothing of a disk that is full while it writes a picture.
+  throw TryAgainError(folder.string(), "Blender did not write its renders whole: " + fault,
+                      "free some space and run the command again");
 }
 
 }  // namespace ohb

@@ -6,6 +6,7 @@
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
+#include "dataset/model/image_damage.h"
 #include "dataset/model/process.h"
 
 namespace ohb {
@@ -16,6 +17,24 @@ std::string gnuplot_quoted(std::string text) {
   return "'" + text + "'";
 }
 
+namespace {
+
+/// gnuplot says nothing of a disk that is full.
+void check_charts(const fs::path& folder) {
+  for (const char* name : {"chart.svg", "chart.png"}) {
+    const fs::path file = folder / name;
+    if (!fs::exists(file)) continue;
+    const std::string bytes = read_file(file);
+    const bool is_whole = file.extension() == ".png" ? !bytes.empty() && png_damage(bytes).empty()
+                                                     : bytes.rfind("</svg>") != std::string::npos;
+    if (!is_whole)
+      throw TryAgainError(file.string(), "gnuplot did not write it whole",
+                          "free some space and run the command again");
+  }
+}
+
+}  // namespace
+
 void run_gnuplot(const std::string& script, const fs::path& folder) {
   write_file_atomically(folder / "chart.gp", script);
   // gnuplot goes to the folder first, so the script's own path must not depend on where we are.
@@ -23,7 +42,10 @@ void run_gnuplot(const std::string& script, const fs::path& folder) {
   const ProcessResult result =
       run_process({"gnuplot", "-e", "cd " + gnuplot_quoted(there.string()), (there / "chart.gp").string()},
                   {}, [](const std::string&) {});
-  if (result.exit_code == 0) return;
+  if (result.exit_code == 0) {
+    check_charts(folder);
+    return;
+  }
   std::string message = "no message";
   for (const std::string& line : result.last_lines)
     if (line.find_first_not_of(" ^\t") != std::string::npos) message = line;

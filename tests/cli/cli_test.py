@@ -462,6 +462,14 @@ class Commands(unittest.TestCase):
         self.expect_refusal(run(*arguments, self.folder / "x"), "catalogue.json")
         self.assertFalse((self.folder / "x").exists())
 
+    def test_results_that_nobody_gets_are_no_success(self):
+        for arguments in (["inspect", self.scan, "--json"], ["inspect", self.scan], ["--help"], ["--version"],
+                          ["label", self.scan, "-o", self.folder / "unheard"]):
+            with open("/dev/full", "w") as full:
+                result = subprocess.run([PROGRAM, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE, text=True)
+            self.assertEqual(result.returncode, TRY_AGAIN, arguments)
+            self.assertIn("results could not be written", result.stderr)
+
     def test_json_is_one_object_on_stdout(self):
         for arguments in (["inspect", self.scan], ["label", self.scan, "-o", self.folder / "j1"],
                           ["bake", self.scan, "--regions", self.folder / "regions", "--size", 32, "-o", self.folder / "j2"]):

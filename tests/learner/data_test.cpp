@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 
+#include "dataset/model/atomic_file.h"
 #include "dataset/model/colour.h"
+#include "dataset/model/sample_listing.h"
 #include "learner/loader.h"
 #include "test_samples.h"
 #include "tests/support/test_files.h"
@@ -98,6 +101,43 @@ TEST(Dataset, IsReadBySubFolder) {
   ASSERT_EQ(dataset.people.size(), 3u);
   EXPECT_EQ(dataset.people[1].name, "person1");
   EXPECT_EQ(dataset.people[1].views.size(), 2u);
+}
+
+/// What render writes beside the views.
+void write_listing(const std::filesystem::path& folder, const ExrAttributes& settings,
+                   const std::vector<std::string>& views) {
+  nlohmann::ordered_json json = {{"identity", identity_of(settings)}};
+  for (const auto& [name, value] : settings) json["settings"][name] = value;
+  for (const std::string& view : views) json["views"].push_back({{"file", view}});
+  write_file_atomically(folder / "render.json", json.dump());
+}
+
+TEST(Dataset, ReadsOnlyViewsThatBelong) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder.path(), 1, 4, 16);
+  const auto person = folder / "person0";
+  const ExrAttributes settings = shared_attributes(read_sample(person / "view_000.exr").attributes);
+  write_listing(person, settings, {"view_000.exr", "view_001.exr", "view_003.exr"});
+  // View 2 is not listed, view 3 is another person's, and one is no picture at all.
+  write_sample(person / "view_003.exr", ball_sample(16, "somebody else", 3));
+  write_file_atomically(person / "view_004.exr", std::string("notes"));
+  const Dataset dataset = read_dataset(folder.path());
+  ASSERT_EQ(dataset.people.size(), 1u);
+  EXPECT_EQ(dataset.people[0].views,
+            (std::vector<std::filesystem::path>{person / "view_000.exr", person / "view_001.exr"}));
+  // The same views of other settings are another dataset.
+  const std::string identity = identity_of_views(dataset, {"person0"});
+  EXPECT_EQ(identity_of_views(read_dataset(folder.path()), {"person0"}), identity);
+  write_listing(person, settings, {"view_000.exr"});
+  EXPECT_NE(identity_of_views(read_dataset(folder.path()), {"person0"}), identity);
+}
+
+TEST(Dataset, WithoutAListingTheViewsMustAgree) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder.path(), 1, 2, 16);
+  write_sample(folder / "person0" / "view_002.exr", ball_sample(16, "somebody else", 2));
+  expect_message(input_error_of([&] { read_dataset(folder.path()); }),
+                 {"view_002.exr", "ohb:human", "view_000.exr", "different settings"});
 }
 
 TEST(Dataset, RefusesWhatIsWrongInWords) {

@@ -103,8 +103,59 @@ TEST(Evaluate, FillsTheTableForHeldOutPeople) {
   o.people = {"nobody"};
   expect_message(input_error_of([&] { evaluate(o); }), {"nobody"});
   o.people.clear();
-  o.weights.pop_back();
+}
+
+TEST(Evaluate, TakesNobodyForUnseenWhomOneNetworkKnows) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 3, 1, 16);
+  EvaluateOptions o;
+  o.weights = weights_in(folder, false);
+  o.data = folder / "data";
+  o.relit.views_a_person = 0;
+  o.quiet = true;
+  // The albedo prior was trained on the one whom the geometry prior held out.
+  const LoadedNetwork albedo = load_network(folder / "albedo.safetensors");
+  nlohmann::json header = albedo.header;
+  header["trained_on"] = {"person1", "person2"};
+  header["held_out"] = {"person0"};
+  save_weights(folder / "albedo.safetensors", header, albedo.network);
+  expect_message(input_error_of([&] { evaluate(o); }), {"trained on everybody", "--person"});
+  o.people = {"person1"};
+  const EvaluationReport report = evaluate(o);
+  EXPECT_EQ(report.trained_on.at("person1"), std::vector<std::string>{"albedo"});
+  EXPECT_NE(table_of(report).find("TRAINED ON, not held out: person1 (by albedo)"), std::string::npos);
+  EXPECT_EQ(json_of(report)["trained_on"]["person1"][0], "albedo");
+  // A person whom both left alone.
+  o.people.clear();
+  header["trained_on"] = {"person0", "person2"};
+  header["held_out"] = {"person1"};
+  save_weights(folder / "albedo.safetensors", header, albedo.network);
+  EXPECT_EQ(evaluate(o).people, std::vector<std::string>{"person1"});
+  EXPECT_TRUE(evaluate(o).trained_on.empty());
+}
+
+TEST(Evaluate, OnePriorAlone) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 2, 1, 16);
+  EvaluateOptions o;
+  const auto weights = weights_in(folder, true);
+  o.data = folder / "data";
+  o.relit.views_a_person = 1;
+  o.quiet = true;
+  const std::vector<std::set<std::string>> columns = {{"N", "Disp"}, {"D"}, {"R", "S", "SSS"}};
+  for (size_t i = 0; i < columns.size(); ++i) {
+    o.weights = {weights[i]};
+    const EvaluationReport report = evaluate(o);
+    EXPECT_FALSE(report.relit);
+    const EvaluationRow& row = report.rows[0];
+    EXPECT_EQ(row.name, "priors");
+    for (size_t c = 0; c < kColumns.size(); ++c)
+      EXPECT_EQ(std::isfinite(row.mean[c].masked), columns[i].count(kColumns[c]) > 0) << kColumns[c];
+  }
+  o.weights = {weights[0], weights[1], weights[3]};
   expect_message(input_error_of([&] { evaluate(o); }), {"no rss prior"});
+  o.weights = {weights[0], weights[0]};
+  expect_message(input_error_of([&] { evaluate(o); }), {"second geometry prior"});
 }
 
 TEST(Estimate, WritesAFolderThatSaysWhatItIs) {

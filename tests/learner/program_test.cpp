@@ -1,5 +1,6 @@
 // The program humanmaterial from outside: exit codes, words, stopping and going on.
 #include <csignal>
+#include <cstdlib>
 #include <thread>
 
 #include "learner/checkpoint.h"
@@ -31,6 +32,15 @@ TEST(Program, SaysWhatItIs) {
     const Result help = run(folder, {command, "--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_NE(help.out.find("Examples:"), std::string::npos) << help.out;
+  }
+}
+
+TEST(Program, ResultsThatNobodyGetsAreNoSuccess) {
+  for (const char* option : {" --version", " train --help"}) {
+    const int status =
+        std::system((std::string(OHB_HUMANMATERIAL) + option + " > /dev/full 2> /dev/null").c_str());
+    ASSERT_TRUE(WIFEXITED(status));
+    EXPECT_EQ(WEXITSTATUS(status), 75) << option;
   }
 }
 

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <thread>
 
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/image.h"
 #include "test_maps_folder.h"
 #include "test_program.h"
@@ -115,6 +117,63 @@ TEST(Relight, ASignalStopsASilentBlenderAtOnce) {
   program.send(SIGTERM);
   EXPECT_EQ(program.wait().code, 75);
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+}
+
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  return names;
+}
+
+TEST(Relight, ATornPictureIsNoPicture) {
+  // As Blender does on a full disk: the start of the picture, and exit code 0.
+  TemporaryFolder folder;
+  const std::string write =
+      "for a in \"$@\"; do case \"$a\" in --output=*) out=${a#*=};; --report=*) report=${a#*=};; esac; done\n"
+      "echo '{\"size_px\": [16, 16]}' > \"$report\"\n";
+  const auto blender = [&](const std::string& body) {
+    return std::vector<std::string>{
+        folder / "maps", "--point", "0,100,300,2", "--blender",
+        script(folder, "blender", "[ $1 = --version ] && exec echo Blender 4.2.1\n" + write + body)};
+  };
+  write_png(folder / "whole.png", Image(16, 16, 4));
+  write_png(folder / "small.png", Image(8, 16, 4));
+  const std::string whole = folder / "whole.png", small = folder / "small.png";
+  expect_refusal(folder, blender("head -c 60 " + whole + " > \"$out\""),
+                 {"relit.png", "not write the picture whole"}, 75);
+  expect_refusal(folder, blender("exit 0"), {"relit.png", "not write the picture whole"}, 75);
+  expect_refusal(folder, blender("cp " + small + " \"$out\""), {"another size"}, 75);
+  std::vector<std::string> command = blender("cp " + whole + " \"$out\"");
+  command.insert(command.begin(), "relight");
+  command.insert(command.end(), {"-o", folder / "relit.png", "--json"});
+  EXPECT_EQ(run(folder, command).code, 0);
+  EXPECT_EQ(read_file(folder / "relit.png"), read_file(folder / "whole.png"));
+  EXPECT_EQ(names_in(folder.path()),
+            (std::set<std::string>{"blender", "relit.png", "small.png", "stderr", "stdout", "whole.png"}));
+}
+
+TEST(Relight, NeverWritesOverItsInputsOrOtherOutputs) {
+  TemporaryFolder folder;
+  write_ball_maps(folder / "maps", 16);
+  fs::create_directory_symlink(folder / "maps", folder / "link");
+  fs::copy_file(folder / "maps" / "diffuse.png", folder / "sky.png");
+  {
+    AtomicFolder model(folder / "model", "model");
+    write_png(model.path() / "albedo.png", Image(4, 4, 3));
+    model.commit();
+  }
+  const auto refused = [&](const fs::path& output, const std::string& words) {
+    const std::string before = read_file(output);
+    const Result result =
+        run(folder, {"relight", folder / "maps", "--environment", folder / "sky.png", "-o", output});
+    EXPECT_EQ(result.code, 2) << result.error;
+    EXPECT_NE(result.error.find(words), std::string::npos) << result.error;
+    EXPECT_EQ(read_file(output), before);
+  };
+  refused(folder / "maps" / "diffuse.png", "read by this command");
+  refused(folder / "link" / "normal.png", "read by this command");
+  refused(folder / "sky.png", "read by this command");
+  refused(folder / "model" / "albedo.png", "belongs to the model");
 }
 
 TEST(Relight, ExitCodesPassThrough) {

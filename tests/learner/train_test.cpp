@@ -8,7 +8,9 @@
 #include <fstream>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/interrupt.h"
+#include "dataset/model/temporary.h"
 #include "learner/safetensors.h"
 #include "test_samples.h"
 #include "tests/support/test_files.h"
@@ -134,7 +136,7 @@ TEST(Checkpoint, KillDuringWritesNeverLosesTheLastGoodOne) {
     step = now;
   }
   EXPECT_GT(step, 20) << "the writer did get to write";
-  remove_torn_checkpoints(folder.path());
+  sweep_leftovers(folder.path());
   for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
     EXPECT_EQ(entry.path().filename().string().rfind("step_", 0), 0u) << entry.path();
 }
@@ -206,6 +208,48 @@ TEST(Training, RefusesToMixRuns) {
   expect_message(input_error_of([&] { train(o); }), {"recolour", "unset", "true"});
   o.recolour = false;
   EXPECT_EQ(train(o).first_step, 3) << "a finished run stays as it is";
+  // Views rendered again by other settings, or one more.
+  const auto view = folder / "data" / "person0" / "view_000.exr";
+  Sample sample = read_sample(view);
+  sample.attributes.emplace_back("ohb:modelHash", "another");
+  write_sample(view, sample);
+  expect_message(input_error_of([&] { train(o); }), {"views", "rendered again", "another -o"});
+  write_ball_dataset(folder / "data", 1, 2, 16);
+  expect_message(input_error_of([&] { train(o); }), {"views"});
+  std::filesystem::remove(folder / "data" / "person0" / "view_001.exr");
+  EXPECT_EQ(train(o).first_step, 3);
+}
+
+TEST(Training, RefusesOtherPriorsAndFoldersThatAreNoRuns) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 1, 1, 16);
+  TrainOptions o = options_of(folder, "run", 2);
+  o.task = Task::kFinetune;
+  o.guidance = Guidance::kPriors;
+  const auto write_priors = [&](int seed) {
+    o.priors.clear();
+    for (const Task task : {Task::kGeometry, Task::kAlbedo, Task::kRss}) {
+      torch::manual_seed(seed);
+      json header = small_header(0);
+      header["task"] = name_of(task);
+      o.priors.push_back(folder / (std::string(name_of(task)) + ".safetensors"));
+      save_weights(o.priors.back(), header, make_network(task, 0.125));
+    }
+  };
+  write_priors(1);
+  train(o);
+  o.resume = true;
+  EXPECT_EQ(train(o).first_step, 2);
+  write_priors(2);
+  expect_message(input_error_of([&] { train(o); }), {"priors", "in the run", "now"});
+  o = options_of(folder, "model", 2);
+  claim_folder(o.run, "model");
+  expect_message(input_error_of([&] { train(o); }), {"holds model", "a training run would be"});
+  o = options_of(folder, "weights", 2);
+  make_folders(o.run);
+  write_file_atomically(o.run / kWeightsName, std::string("somebody's"));
+  expect_message(input_error_of([&] { train(o); }), {"holds weights.safetensors", "another -o"});
+  EXPECT_EQ(read_file(o.run / kWeightsName), "somebody's");
 }
 
 TEST(Training, RefusesBadOptionsInWords) {

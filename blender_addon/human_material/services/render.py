@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Renders to a file, whole or not at all."""
+import errno
 import os
 
 import bpy
 
 from .. import compat
-from . import material
+from . import image_header, material
 from .errors import InputError
 
 KINDS = {".png": "PNG", ".exr": "OPEN_EXR"}
@@ -43,6 +44,18 @@ def check_target(path):
         raise InputError(folder, "", "is no folder that can be written to", "make it first")
 
 
+def check_whole(path):
+    """Blender says nothing of a disk that is full while it writes: a picture without its end is an OSError."""
+    if not os.path.isfile(path):
+        raise OSError("Blender wrote no picture")
+    try:
+        image_header.read_header(path)
+    except InputError:
+        raise OSError(errno.ENOSPC, "Blender did not write the picture whole", path) from None
+    with open(path, "rb") as file:
+        os.fsync(file.fileno())
+
+
 def to_file(scene, path):
     """Renders the scene. PNG: 16-bit sRGB, alpha straight; EXR: linear float, alpha premultiplied."""
     check_target(path)
@@ -55,8 +68,7 @@ def to_file(scene, path):
     compat.set_output(scene, kind_of(path))
     try:
         bpy.ops.render.render(write_still=True, scene=scene.name)
-        if not os.path.isfile(temporary) or os.path.getsize(temporary) == 0:
-            raise OSError("Blender wrote no picture")
+        check_whole(temporary)
         os.replace(temporary, path)
     finally:
         settings.filepath, settings.use_file_extension = before
