@@ -16,14 +16,14 @@ namespace {
 
 struct Options {
   std::string scan, rules, faces, strokes, truth, unit, up, output;
-  std::vector<std::string> classes;
+  std::vector<std::string> classes, answers;
   std::string refine = "auto";
   bool automatic = false, serve = false;
 };
 
 int run_serve(const Options& options) {
   if (!options.rules.empty() || !options.faces.empty() || !options.truth.empty() || options.automatic ||
-      !options.output.empty() || options.refine != "auto")
+      !options.answers.empty() || !options.output.empty() || options.refine != "auto")
     throw InputError("", "--serve", "takes only --strokes, --unit and --up", "leave the other options out");
   serve_labels({options.scan, options.strokes, options.unit, options.up}, std::cin, std::cout);
   return 0;
@@ -42,6 +42,7 @@ int run_label(const Options& options, const CommonOptions& common) {
   job.unit = options.unit;
   job.up = options.up;
   job.classes = options.classes;
+  job.answers = options.answers;
   job.refine = options.refine == "on"    ? RefineBorders::kOn
                : options.refine == "off" ? RefineBorders::kOff
                                          : RefineBorders::kAuto;
@@ -64,6 +65,8 @@ void add_label_command(CLI::App& app, Commands& commands) {
   command->add_option("--strokes", options->strokes, "strokes.xml: classes painted on the surface");
   command->add_flag("--automatic", options->automatic,
                     "classes from body, colour and texture, whatever the names say");
+  command->add_option("--answer", options->answers,
+                      "NAME=CLASS: answers a question of the report (trousers=leather); once each");
   command
       ->add_option("--classes", options->classes,
                    "what the indices mean (default: the JSON beside the file, else skin,hair,fabric,leather)")

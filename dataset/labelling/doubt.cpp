@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dataset/labelling/garments.h"
+
 namespace ohb {
 namespace {
 
@@ -18,42 +20,22 @@ struct Region {
   double doubt = 0, area_cm2 = 0;
 };
 
-/// The face that most rings of faces separate from the region's outside.
-uint32_t middle_of(const FaceGraph& graph, const std::vector<uint32_t>& faces) {
-  std::vector<uint8_t> state(graph.size(), 0);  // 0 outside, 1 inside, 2 reached
-  for (uint32_t f : faces) state[f] = 1;
-  std::vector<uint32_t> reached;
-  for (uint32_t f : faces)
-    for (uint32_t n = graph.first_neighbour[f]; n < graph.first_neighbour[f + 1] && state[f] == 1; ++n)
-      if (state[graph.neighbours[n].face] == 0) {
-        state[f] = 2;
-        reached.push_back(f);
-      }
-  for (size_t i = 0; i < reached.size(); ++i)
-    for (uint32_t n = graph.first_neighbour[reached[i]]; n < graph.first_neighbour[reached[i] + 1]; ++n) {
-      const uint32_t to = graph.neighbours[n].face;
-      if (state[to] != 1) continue;
-      state[to] = 2;
-      reached.push_back(to);
-    }
-  return reached.empty() ? faces.front() : reached.back();
-}
-
 }  // namespace
 
-std::vector<float> confidence_of(const LabelEnergy& energy, const std::vector<float>& area_cm2,
-                                 const std::vector<uint8_t>& face_class) {
-  std::vector<float> confidence(face_class.size());
-  for (size_t f = 0; f < confidence.size(); ++f) {
+std::vector<float> leads_of(const LabelEnergy& energy, const std::vector<float>& area_cm2,
+                            const std::vector<uint8_t>& face_class) {
+  std::vector<float> lead(face_class.size());
+  for (size_t f = 0; f < lead.size(); ++f) {
     const ClassValues& cost = energy.cost[f];
     const float least = *std::min_element(cost.begin(), cost.end()), area = std::max(area_cm2[f], 1e-12f);
-    const auto weight = [&](uint8_t c) { return std::exp(-(cost[c] - least) / area); };
-    float sum = 0;
-    for (uint8_t c = 0; c < kClassCount; ++c) sum += weight(c);
-    const float lead = weight(face_class[f]) - weight(cheapest_other(cost, face_class[f]));
-    confidence[f] = std::max(0.0f, lead / sum);
+    float own = 0, other = 0;
+    for (uint8_t c = 0; c < kClassCount; ++c) {
+      const bool is_own = std::min<uint8_t>(c, kFabric) == std::min<uint8_t>(face_class[f], kFabric);
+      (is_own ? own : other) += std::exp(-(cost[c] - least) / area);
+    }
+    lead[f] = std::clamp(std::log((own + 1e-12f) / (other + 1e-12f)), -kMostLead, kMostLead);
   }
-  return confidence;
+  return lead;
 }
 
 std::optional<SuggestedStroke> suggest_stroke(const FaceGraph& graph, const LabelEnergy& energy,

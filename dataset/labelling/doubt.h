@@ -16,13 +16,15 @@ struct SuggestedStroke {
   double area_cm2 = 0;                             // of the region
 };
 
-/// Below this a label is in doubt.
-constexpr float kDoubtful = 0.5f;
+/// Below this probability of being right a label is in doubt.
+constexpr float kDoubtful = 0.95f;
 
-/// Of each face: the probability of its class less that of the likeliest other one, from the faces' own costs
-/// (exp(-cost / area)), in [0,1]; 0 where the neighbours outvoted its own costs.
-std::vector<float> confidence_of(const LabelEnergy& energy, const std::vector<float>& area_cm2,
-                                 const std::vector<uint8_t>& face_class);
+/// Of each face: log odds of its own part (skin, hair, or garment: fabric and leather together) against the
+/// other parts, from the faces' own costs (exp(-cost / area)), within kMostLead; below 0 where the neighbours
+/// outvoted its own costs.
+std::vector<float> leads_of(const LabelEnergy& energy, const std::vector<float>& area_cm2,
+                            const std::vector<uint8_t>& face_class);
+constexpr float kMostLead = 8;
 
 /// The connected region of one class in doubt with the largest sum of area x (1 - confidence); nothing if no
 /// face is in doubt.

@@ -32,14 +32,16 @@ constexpr std::array<std::array<float, kClassCount>, kClassCount> kClassDistance
 }  // namespace
 
 Labeller::Labeller(const Scan& scan, double unit_cm, LabelTerms terms)
+    : Labeller(face_features(scan, unit_cm), unit_cm, installed_label_model(), terms) {}
+
+Labeller::Labeller(FaceFeatures features, double unit_cm, LabelModel model, LabelTerms terms)
     : unit_cm_(unit_cm),
       terms_(terms),
-      features_(face_features(scan, unit_cm)),
-      start_(start_labels(features_)),
+      model_(std::move(model)),
+      features_(std::move(features)),
+      start_(start_labels(features_, model_)),
       likeness_(edge_likeness(features_)) {
   const FaceGraph& graph = features_.graph;
-  for (const ClassValues& p : start_.probability)
-    start_class_.push_back(static_cast<uint8_t>(std::max_element(p.begin(), p.end()) - p.begin()));
   std::vector<EnergyPair> conductance;
   for (size_t e = 0; e < graph.edges.size(); ++e) {
     const FaceEdge& edge = graph.edges[e];
@@ -52,6 +54,49 @@ Labeller::Labeller(const Scan& scan, double unit_cm, LabelTerms terms)
     restart.push_back((graph.area_cm2[f] + 1e-6f) * (kLeastTrust + start_.trust[f]) /
                       (kReach_cm * kReach_cm));
   walker_.emplace(graph.size(), conductance, std::move(restart));
+  find_parts();
+}
+
+void Labeller::find_parts() {
+  const std::vector<ClassValues> walk = walker_->solve(start_.probability, {});
+  const LabelEnergy energy = energy_of_faces(walk, {});
+  std::vector<uint8_t> part;
+  for (const ClassValues& cost : energy.cost)
+    part.push_back(static_cast<uint8_t>(std::min_element(cost.begin(), cost.end()) - cost.begin()));
+  minimise(energy, part);
+  std::vector<bool> is_garment;
+  for (uint8_t p : part) is_garment.push_back(p == kFabric);
+  garments_ = find_garments(features_, likeness_, start_.frame, is_garment);
+  garment_classes_ = garment_classes(features_, garments_, start_.frame, part, model_);
+  for (const ClassValues& p : start_of_faces(garment_classes_))
+    start_class_.push_back(static_cast<uint8_t>(std::max_element(p.begin(), p.end()) - p.begin()));
+}
+
+std::vector<ClassValues> Labeller::start_of_faces(const std::vector<ClassValues>& classes) const {
+  const float elsewhere = model_.leather_garments;
+  std::vector<ClassValues> start = start_.probability;
+  for (size_t f = 0; f < start.size(); ++f) {
+    const uint32_t g = garments_.of_face[f];
+    const ClassValues made_of =
+        g == Garments::kNone ? ClassValues{0, 0, 1 - elsewhere, elsewhere} : classes[g];
+    const float garment = start_.probability[f][kFabric];
+    start[f][kFabric] = 0;
+    for (int c = 0; c < kClassCount; ++c) start[f][c] += garment * made_of[c];
+  }
+  return start;
+}
+
+/// A garment's face is right if it is a garment and the garment is what it is said to be.
+void Labeller::trust_garments(const std::vector<ClassValues>& classes, Labelling& labels) const {
+  const float elsewhere = model_.leather_garments;
+  for (size_t f = 0; f < labels.confidence.size(); ++f) {
+    const uint8_t c = labels.face_class[f];
+    const uint32_t g = garments_.of_face[f];
+    if (c != kFabric && c != kLeather) continue;
+    const float fabric = g == Garments::kNone ? 1 - elsewhere : classes[g][kFabric];
+    const float leather = g == Garments::kNone ? elsewhere : classes[g][kLeather];
+    labels.confidence[f] *= (c == kLeather ? leather : fabric) / std::max(fabric + leather, 1e-6f);
+  }
 }
 
 std::vector<float> Labeller::reach_weights() const {
@@ -76,7 +121,8 @@ std::vector<float> Labeller::reach_weights() const {
   return weight;
 }
 
-std::vector<ClassValues> Labeller::revised_start(const std::vector<Stroke>& strokes) {
+std::vector<ClassValues> Labeller::revised_start(const std::vector<ClassValues>& first,
+                                                 const std::vector<Stroke>& strokes) {
   const auto is_same = [](const Stroke& l, const Stroke& r) {
     return l.radius_cm == r.radius_cm && l.points.size() == r.points.size() &&
            std::equal(l.points.begin(), l.points.end(), r.points.begin(), [](const auto& p, const auto& q) {
@@ -108,7 +154,7 @@ std::vector<ClassValues> Labeller::revised_start(const std::vector<Stroke>& stro
       float& value = best[like.face][strokes[s].material_class];
       value = std::max(value, weight[s] * like.value);
     }
-  std::vector<ClassValues> start = start_.probability;
+  std::vector<ClassValues> start = first;
   for (size_t f = 0; f < start.size(); ++f) {
     const float sum = best[f][0] + best[f][1] + best[f][2] + best[f][3];
     for (int c = 0; c < kClassCount; ++c)
@@ -171,7 +217,10 @@ Labelling Labeller::solve(const std::vector<Stroke>& strokes) {
   std::vector<Seed> seeds;
   for (size_t i = 0; i < stroked.face.size(); ++i)
     seeds.push_back({stroked.face[i], stroked.material_class[i], kSeed});
-  const std::vector<ClassValues> start = terms_.reach ? revised_start(strokes) : start_.probability;
+  std::vector<ClassValues> classes = garment_classes_;
+  hear_strokes(features_, unit_cm_, garments_, strokes, classes);
+  const std::vector<ClassValues> first = start_of_faces(classes);
+  const std::vector<ClassValues> start = terms_.reach ? revised_start(first, strokes) : first;
   walk_ = terms_.walk ? walker_->solve(start, seeds, walk_) : start;
   const LabelEnergy energy = energy_of_faces(walk_, stroked);
   if (face_class_.empty())
@@ -180,10 +229,23 @@ Labelling Labeller::solve(const std::vector<Stroke>& strokes) {
   minimise(energy, face_class_, strokes.empty() ? uint8_t{kSkin} : uint8_t{strokes.back().material_class});
   Labelling result;
   result.face_class = face_class_;
-  result.confidence = confidence_of(energy, features_.graph.area_cm2, face_class_);
+  result.lead = leads_of(energy, features_.graph.area_cm2, face_class_);
+  for (float lead : result.lead) result.confidence.push_back(calibrated(model_, lead));
+  trust_garments(classes, result);
+  for (uint32_t f : stroked.face) result.confidence[f] = 1;
+  result.questions = open_questions(garments_, classes);
   result.suggested = suggest_stroke(features_.graph, energy, face_class_, result.confidence);
   result.warnings = stroked.warnings;
   return result;
+}
+
+Stroke stroke_of_answer(const Labeller& labeller, size_t garment, MaterialClass material_class) {
+  const uint32_t face = labeller.garments().garments[garment].face;
+  Stroke stroke;
+  stroke.material_class = material_class;
+  stroke.points = {
+      {face, labeller.features().graph.centre_cm[face] / static_cast<float>(labeller.unit_cm())}};
+  return stroke;
 }
 
 }  // namespace ohb

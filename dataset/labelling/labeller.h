@@ -13,6 +13,7 @@
 
 #include "dataset/labelling/doubt.h"
 #include "dataset/labelling/face_features.h"
+#include "dataset/labelling/garment_questions.h"
 #include "dataset/labelling/random_walker.h"
 #include "dataset/labelling/start_labels.h"
 #include "dataset/labelling/stroke_reach.h"
@@ -32,7 +33,9 @@ struct LabelTerms {
 
 struct Labelling {
   std::vector<uint8_t> face_class;
-  std::vector<float> confidence;  // see confidence_of
+  std::vector<float> confidence;  // probability that the class is right, see confidence_of
+  std::vector<float> lead;        // see leads_of
+  std::vector<GarmentQuestion> questions;
   std::optional<SuggestedStroke> suggested;
   std::vector<std::string> warnings;
 };
@@ -42,6 +45,8 @@ class Labeller {
   /// Reads the pictures and builds the graph. `unit_cm`: cm a unit of the scan. Throws InputError for a
   /// picture that cannot be read.
   Labeller(const Scan& scan, double unit_cm, LabelTerms terms = {});
+  /// The same from features that are there already, with what was learned from other people.
+  Labeller(FaceFeatures features, double unit_cm, LabelModel model, LabelTerms terms = {});
 
   /// Labels for all these strokes (none: from the start labels alone). They must fit the scan (see
   /// expect_stroke_on_scan). Starts from the result of the call before, which saves time; the first call's
@@ -50,10 +55,16 @@ class Labeller {
 
   const FaceFeatures& features() const { return features_; }
   const StartLabels& start() const { return start_; }
+  const Garments& garments() const { return garments_; }
   double unit_cm() const { return unit_cm_; }
 
  private:
-  std::vector<ClassValues> revised_start(const std::vector<Stroke>& strokes);
+  /// Skin, hair or garment of each face, and the garments.
+  void find_parts();
+  std::vector<ClassValues> start_of_faces(const std::vector<ClassValues>& classes) const;
+  void trust_garments(const std::vector<ClassValues>& classes, Labelling& labels) const;
+  std::vector<ClassValues> revised_start(const std::vector<ClassValues>& first,
+                                         const std::vector<Stroke>& strokes);
   /// What each stroke's reach counts: its class's share of the votes of all strokes on the faces that it
   /// covers, so that one against many speaks little for look-alikes; and less for a dot of a few mm.
   std::vector<float> reach_weights() const;
@@ -63,10 +74,13 @@ class Labeller {
 
   double unit_cm_;
   LabelTerms terms_;
+  LabelModel model_;
   FaceFeatures features_;
   StartLabels start_;
-  std::vector<uint8_t> start_class_;  // the likeliest
-  std::vector<float> likeness_;       // of the edges
+  Garments garments_;
+  std::vector<ClassValues> garment_classes_;  // before any stroke
+  std::vector<uint8_t> start_class_;          // the likeliest
+  std::vector<float> likeness_;               // of the edges
   std::vector<EnergyPair> borders_;
   std::optional<RandomWalker> walker_;
   struct Reach {
@@ -79,5 +93,8 @@ class Labeller {
   std::vector<ClassValues> walk_;    // of the call before
   std::vector<uint8_t> face_class_;  // of the call before
 };
+
+/// The stroke that answers for a garment: a dot in its middle.
+Stroke stroke_of_answer(const Labeller& labeller, size_t garment, MaterialClass material_class);
 
 }  // namespace ohb

@@ -1,29 +1,23 @@
-// Start labels without any stroke: how likely each face is skin, hair, fabric or leather, from the place on
-// the body, the colour and the texture.
+// Start labels without any stroke: how likely each face is skin, hair or a garment, from its cues.
 #pragma once
 
 #include <vector>
 
-#include "dataset/labelling/face_features.h"
+#include "dataset/labelling/label_model.h"
+#include "dataset/labelling/start_cues.h"
 
 namespace ohb {
 
-/// Where the parts of the body are, in cm in the scan's axes (Y up, facing +Z).
-struct BodyFrame {
-  bool is_whole = true;  // a person from head to foot; else a head or a bust
-  float ground_cm = 0, top_cm = 0;
-  float chin_cm = 0, eyes_cm = 0;      // heights
-  float head_x_cm = 0, head_z_cm = 0;  // the head's vertical axis
-  float head_cm = 23;                  // from chin to top
-};
-BodyFrame body_frame(const FaceGraph& graph);
-
 struct StartLabels {
   BodyFrame frame;
-  bool found_face = false;               // skin where the face should be; without, no skin is known
-  std::vector<ClassValues> probability;  // sums to 1
-  std::vector<float> trust;              // in [0,1]: how much of it is known
+  bool found_face = false;  // skin where the face should be; without, no skin is known
+  /// Sums to 1; what a garment may be made of is not known yet: all of it is fabric.
+  std::vector<ClassValues> probability;
+  std::vector<float> trust;  // in [0,1]: how much of it is known
 };
-StartLabels start_labels(const FaceFeatures& features);
+StartLabels start_labels(const FaceFeatures& features, const LabelModel& model);
+
+/// How much the probabilities of one face leave open: 1 less their entropy over that of knowing nothing.
+float trust_in(const ClassValues& probability);
 
 }  // namespace ohb

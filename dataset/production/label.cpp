@@ -11,7 +11,9 @@
 #include "dataset/model/error.h"
 #include "dataset/model/json_text.h"
 #include "dataset/model/scan_unit.h"
+#include "dataset/production/label_answers.h"
 #include "dataset/production/label_maps.h"
+#include "dataset/production/label_preview.h"
 #include "dataset/production/picture_files.h"
 
 namespace ohb {
@@ -20,8 +22,10 @@ namespace {
 
 struct Labels {
   std::vector<uint8_t> face_class;
-  std::vector<float> confidence;  // empty if nothing was inferred
-  std::vector<bool> is_given;     // by names or strokes; empty as confidence
+  std::vector<float> confidence;           // empty if nothing was inferred
+  std::vector<bool> is_given;              // by names or strokes; empty as confidence
+  std::vector<uint32_t> question_of_face;  // index of the report's question; empty as confidence
+  std::vector<Stroke> strokes;
 };
 
 /// "a, b and 3 more": the distinct materials of the faces without a class.
@@ -49,6 +53,30 @@ bool has_picture(const Scan& scan) {
   });
 }
 
+/// What only the user can tell of the faces that are not given, with the strokes that tell it.
+void report_questions(const Labeller& labeller, const Labelling& inferred, Labels& labels,
+                      InferenceReport& report) {
+  labels.question_of_face.assign(labels.face_class.size(), Garments::kNone);
+  for (const GarmentQuestion& question : inferred.questions) {
+    if (labels.is_given[question.face]) continue;
+    QuestionReport of;
+    of.name = question.name;
+    of.now = static_cast<MaterialClass>(question.now);
+    of.rival = static_cast<MaterialClass>(question.rival);
+    of.probability = question.probability;
+    of.area_cm2 = question.area_cm2;
+    of.face = question.face;
+    const Stroke stroke = stroke_of_answer(labeller, question.garment, of.now);
+    of.at = stroke.points.front().at;
+    of.now_stroke = stroke_line(stroke);
+    of.rival_stroke = stroke_line(stroke_of_answer(labeller, question.garment, of.rival));
+    for (size_t f = 0; f < labels.face_class.size(); ++f)
+      if (labeller.garments().of_face[f] == question.garment && !labels.is_given[f])
+        labels.question_of_face[f] = static_cast<uint32_t>(report.questions.size());
+    report.questions.push_back(of);
+  }
+}
+
 /// Takes the inferred class of each face that has none.
 void infer_classes(Labeller& labeller, const std::vector<Stroke>& strokes, const std::vector<double>& areas,
                    Labels& labels, LabelReport& report) {
@@ -72,6 +100,7 @@ void infer_classes(Labeller& labeller, const std::vector<Stroke>& strokes, const
     labels.is_given[f] = true;
   if (area > 0) of.confidence /= area;
   if (inferred.suggested && of.faces == areas.size()) of.suggested = inferred.suggested;
+  report_questions(labeller, inferred, labels, of);
   report.inferred = of;
   if (!labeller.start().found_face)
     report.warnings.push_back(
@@ -103,7 +132,12 @@ void label_by_strokes(const Scan& scan, const LabelJob& job, const std::vector<d
   report.method = job.strokes.empty() ? "automatic" : "strokes";
   labels.face_class.assign(scan.face_count(), kUnlabelled);
   Labeller labeller(scan, unit_cm);
-  infer_classes(labeller, strokes.strokes, areas, labels, report);
+  double last_s = 0;
+  for (const Stroke& stroke : strokes.strokes) last_s = std::max(last_s, stroke.time_s);
+  const std::vector<Stroke> answers = strokes_of_answers(job.answers, labeller, last_s);
+  labels.strokes = strokes.strokes;
+  labels.strokes.insert(labels.strokes.end(), answers.begin(), answers.end());
+  infer_classes(labeller, labels.strokes, areas, labels, report);
 }
 
 /// A scan of one part has no more than one name: it tells what the whole is ("body"), not its parts. Infers
@@ -216,6 +250,8 @@ LabelReport label_scan(const LabelJob& job) {
   if (!job.rules.empty() + !job.faces.empty() + !job.strokes.empty() + job.automatic > 1)
     throw InputError("", "--rules", "--faces, --strokes and --automatic exclude each other",
                      "give one of them");
+  if (!job.answers.empty() && job.strokes.empty() && !job.automatic)
+    throw InputError("", "--answer", "answers what --automatic or --strokes asks", "add one of them");
   AtomicFolder folder(job.output, "regions", {job.scan, job.rules, job.faces, job.strokes, job.truth});
   Scan scan = read_scan(job.scan);
   turn_up(scan, job.up);
@@ -243,8 +279,12 @@ LabelReport label_scan(const LabelJob& job) {
   if (!job.truth.empty())
     report.truth = compare_with_truth(regions.face_class, classes_of_file(job.truth, scan, job), areas);
   write_regions(folder.path(), regions);
-  if (!job.strokes.empty()) write_file_atomically(folder.path() / "strokes.xml", read_file(job.strokes));
+  if (!job.answers.empty())
+    write_file_atomically(folder.path() / "strokes.xml", strokes_xml({report.scan_sha256, labels.strokes}));
+  else if (!job.strokes.empty())
+    write_file_atomically(folder.path() / "strokes.xml", read_file(job.strokes));
   write_maps(folder.path(), scan, job, labels, report);
+  write_previews(folder.path(), scan, labels.face_class, labels.question_of_face, report);
   write_file_atomically(folder.path() / "report.json", json_text(to_json(report), 2) + "\n");
   write_file_atomically(folder.path() / "report.txt", to_text(report));
   folder.commit();

@@ -24,6 +24,8 @@ struct LabelJob {
   /// What the indices of `faces` and `truth` mean. Empty: "classes" of the JSON beside the file
   /// (x.labels.txt: x.json; else the scan's own), else skin, hair, fabric, leather.
   std::vector<std::string> classes;
+  /// "NAME=CLASS": answers to questions of a run before (see label_answers.h), where classes are inferred.
+  std::vector<std::string> answers;
   std::filesystem::path truth;  // known classes to compare with; empty: none
   std::string unit;             // as --unit; empty: guessed. Needed for strokes and start labels
   std::string up;               // as turn_up (scan_unit.h); empty: Y, and it must not seem to lie
@@ -31,10 +33,10 @@ struct LabelJob {
   std::filesystem::path output;  // REGIONS folder, written whole or not at all
 };
 
-/// Writes REGIONS: regions.xml, faces.txt, class maps, report.json, report.txt; with strokes or start labels
-/// confidence maps too, and a copy of the strokes. Throws InputError: files that are missing or malformed,
-/// rules, faces and strokes at once, strokes of another scan, a rule file that leaves faces undecided, a unit
-/// that is needed and not known, output not writable.
+/// Writes REGIONS: regions.xml, faces.txt, class maps, previews, report.json, report.txt; with strokes or
+/// start labels confidence maps too, and the strokes, answers among them. Throws InputError: files that are
+/// missing or malformed, rules, faces and strokes at once, strokes of another scan, a rule file that leaves
+/// faces undecided, a unit that is needed and not known, output not writable.
 LabelReport label_scan(const LabelJob& job);
 
 /// The order of classes for a file of face classes (see LabelJob::classes). Throws InputError for a JSON

@@ -56,6 +56,18 @@ nlohmann::ordered_json inference_json(const InferenceReport& inferred, const Lab
                                 {"now", kClassNames[inferred.suggested->now]},
                                 {"rival", kClassNames[inferred.suggested->rival]},
                                 {"area_cm2", inferred.suggested->area_cm2}};
+  json["questions"] = nlohmann::ordered_json::array();
+  for (const QuestionReport& question : inferred.questions)
+    json["questions"].push_back({{"id", question.name},
+                                 {"number", json["questions"].size() + 1},
+                                 {"now", kClassNames[question.now]},
+                                 {"rival", kClassNames[question.rival]},
+                                 {"probability", question.probability},
+                                 {"area_cm2", question.area_cm2},
+                                 {"face", question.face},
+                                 {"at", {question.at.x, question.at.y, question.at.z}},
+                                 {"stroke_now", question.now_stroke},
+                                 {"stroke_rival", question.rival_stroke}});
   return json;
 }
 
@@ -65,10 +77,21 @@ std::string inference_text(const InferenceReport& inferred, const LabelReport& r
       "area in doubt\n",
       inferred.strokes, inferred.faces, inferred.confidence,
       100 * share(inferred.doubtful_area, report.total_area));
-  if (inferred.suggested)
+  if (inferred.suggested && inferred.questions.empty())
     text += fmt::format("  a stroke at face {} would settle most: {} or {}? ({:.0f} cm2)\n",
                         inferred.suggested->face, kClassNames[inferred.suggested->now],
                         kClassNames[inferred.suggested->rival], inferred.suggested->area_cm2);
+  if (!inferred.questions.empty())
+    text +=
+        "  colour cannot tell (the hatched parts of preview.svg); answer with --answer, or with the "
+        "stroke:\n";
+  for (size_t i = 0; i < inferred.questions.size(); ++i) {
+    const QuestionReport& question = inferred.questions[i];
+    text += fmt::format("  {}. {}, {:.0f} cm2: {} or {}? now {}, {:.0f} % sure: --answer {}={}\n       {}\n",
+                        i + 1, question.name, question.area_cm2, kClassNames[question.now],
+                        kClassNames[question.rival], kClassNames[question.now], 100 * question.probability,
+                        question.name, kClassNames[question.rival], question.rival_stroke);
+  }
   return text;
 }
 

@@ -40,12 +40,24 @@ struct RuleReport {
   std::vector<std::pair<std::string, std::string>> words;  // as RuleOutcome::words
 };
 
+/// A garment whose class only the user knows; see garment_questions.h.
+struct QuestionReport {
+  std::string name;
+  MaterialClass now = kFabric, rival = kLeather;
+  double probability = 0;  // of `now`
+  double area_cm2 = 0;
+  uint32_t face = 0;
+  Vec3f at;                              // its middle, in the scan's unit
+  std::string now_stroke, rival_stroke;  // elements of strokes.xml that answer it
+};
+
 /// Of labels that were inferred from strokes, or from body, colour and texture.
 struct InferenceReport {
   uint64_t strokes = 0, faces = 0;  // faces: those whose class was inferred
-  double confidence = 0;            // mean over their area
+  double confidence = 0;            // mean over their area: the share that may be expected to be right
   double doubtful_area = 0;         // of faces below kDoubtful, in the square of the scan's unit
   std::optional<SuggestedStroke> suggested;
+  std::vector<QuestionReport> questions;  // largest first; the first is number 1
 };
 
 struct LabelReport {

@@ -155,6 +155,17 @@ class Session {
                            {"rival", kClassNames[labels.suggested->rival]},
                            {"area_cm2", labels.suggested->area_cm2}};
     }
+    json["questions"] = Json::array();
+    for (const GarmentQuestion& question : labels.questions) {
+      const Vec3f at = stroke_of_answer(*labeller_, question.garment, kFabric).points.front().at;
+      json["questions"].push_back({{"id", question.name},
+                                   {"now", kClassNames[question.now]},
+                                   {"rival", kClassNames[question.rival]},
+                                   {"probability", question.probability},
+                                   {"face", question.face},
+                                   {"at", {at.x, at.y, at.z}},
+                                   {"area_cm2", question.area_cm2}});
+    }
     face_class_ = labels.face_class;
     confidence_ = std::move(confidence);
     json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

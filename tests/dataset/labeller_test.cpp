@@ -82,7 +82,7 @@ TEST(Labeller, AWrongStrokeIsOutvotedButHoldsWhereItIs) {
   for (uint32_t f : faces_of_stroke(strokes[3], graph, 1)) EXPECT_EQ(labels[f], kFabric);
 }
 
-TEST(Labeller, ALateStrokeReachesLessFarButThreeTurnAGarment) {
+TEST(Labeller, ALateStrokeStillAnswersForItsGarment) {
   TubePerson person;
   make_tube_person(48, 120, person);
   Labeller labeller(person.scan, 1);
@@ -90,16 +90,9 @@ TEST(Labeller, ALateStrokeReachesLessFarButThreeTurnAGarment) {
   std::vector<Stroke> strokes;
   for (int n = 0; n < 8; ++n)  // on the shirt, which is right already
     strokes.push_back(stroke_at(labeller, face_at(6 * n, 64 + 3 * n), kFabric, n));
-  const auto leather_after = [&](int i, int j, double time_s) {
-    strokes.push_back(stroke_at(labeller, face_at(i, j), kLeather, time_s));
-    const std::vector<uint8_t> labels = labeller.solve(strokes).face_class;
-    return std::count(labels.begin(), labels.begin() + 58 * 48, kLeather);
-  };
-  const auto one = leather_after(24, 35, 10);
-  EXPECT_GT(one, 48 * 50 / 4);
-  EXPECT_LT(one, 48 * 50 / 2);  // a first stroke turns nine tenths
-  leather_after(0, 20, 11);
-  EXPECT_GT(leather_after(0, 45, 12), 48 * 50 * 9 / 10);
+  strokes.push_back(stroke_at(labeller, face_at(24, 35), kLeather, 10));
+  const std::vector<uint8_t> labels = labeller.solve(strokes).face_class;
+  EXPECT_GT(std::count(labels.begin(), labels.begin() + 58 * 48, kLeather), 48 * 50 * 9 / 10);
 }
 
 TEST(Labeller, StrokedFacesKeepTheirClassAndAreSure) {
@@ -175,9 +168,11 @@ TEST(Labeller, SuggestsTheMiddleOfTheLargestDoubt) {
         {9 * graph.area_cm2[f], (is_unsure ? 0.1f : 9) * graph.area_cm2[f], 0, 9 * graph.area_cm2[f]});
   }
   const std::vector<uint8_t> labels(graph.size(), kFabric);
-  const std::vector<float> confidence = confidence_of(energy, graph.area_cm2, labels);
-  EXPECT_NEAR(confidence[0], 1, 0.01f);
-  EXPECT_NEAR(confidence[60 * 48 + 20], (1 - std::exp(-0.1f)) / (1 + std::exp(-0.1f)), 0.01f);
+  const std::vector<float> lead = leads_of(energy, graph.area_cm2, labels);
+  EXPECT_FLOAT_EQ(lead[0], kMostLead);
+  EXPECT_NEAR(lead[60 * 48 + 20], std::log((1 + std::exp(-9.0)) / (std::exp(-0.1) + std::exp(-9.0))), 1e-3);
+  std::vector<float> confidence;
+  for (float of : lead) confidence.push_back(1 / (1 + std::exp(-of)));
   const auto suggested = suggest_stroke(graph, energy, labels, confidence);
   ASSERT_TRUE(suggested);
   EXPECT_EQ(suggested->face, 64u * 48 + 24);
@@ -200,27 +195,22 @@ LabelledScan read_labelled(const std::filesystem::path& file) {
   return of;
 }
 
-/// Measured: 97.8 % without a stroke.
-TEST(Labeller, KnowsTheExampleHumanWithoutAStroke) {
+/// Its jacket is leather, which only the user knows. Measured: 99.4 % with the answers.
+TEST(Labeller, KnowsTheExampleHumanOnceItsQuestionsAreAnswered) {
   const LabelledScan human =
       read_labelled(std::filesystem::path(OHB_SOURCE_DIR) / "assets/example_human/example_human.glb");
   Labeller labeller(human.scan, 100);
-  EXPECT_GT(accuracy_of(labeller.solve({}).face_class, human.truth, human.scan), 0.95);
-}
-
-/// Measured: median 99.1 %, least 95.2 %.
-TEST(Labeller, KnowsDressedHumansWithoutAStroke) {
-  OHB_SHARED_DATA_OR_SKIP(folder, "humans");
-  std::vector<double> accuracies;
-  for (const std::filesystem::path& file : objs_below(folder)) {
-    if (file.stem().string().find("_scan") == std::string::npos) continue;
-    const LabelledScan human = read_labelled(file);
-    accuracies.push_back(accuracy_of(Labeller(human.scan, 1).solve({}).face_class, human.truth, human.scan));
-    EXPECT_GT(accuracies.back(), 0.90) << file;
+  std::vector<Stroke> answers;
+  for (const GarmentQuestion& question : labeller.solve({}).questions) {
+    std::array<double, kClassCount> area{};
+    for (size_t f = 0; f < human.truth.size(); ++f)
+      if (labeller.garments().of_face[f] == question.garment)
+        area[human.truth[f]] += labeller.features().graph.area_cm2[f];
+    const auto most = std::max_element(area.begin(), area.end()) - area.begin();
+    answers.push_back(stroke_of_answer(labeller, question.garment, static_cast<MaterialClass>(most)));
   }
-  ASSERT_FALSE(accuracies.empty());
-  std::nth_element(accuracies.begin(), accuracies.begin() + accuracies.size() / 2, accuracies.end());
-  EXPECT_GT(accuracies[accuracies.size() / 2], 0.96);
+  EXPECT_LE(answers.size(), kMostQuestions);
+  EXPECT_GT(accuracy_of(labeller.solve(answers).face_class, human.truth, human.scan), 0.97);
 }
 
 TEST(Labeller, ABareHeadIsAllSkin) {

@@ -1,0 +1,112 @@
+#include "dataset/labelling/label_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/data_files.h"
+#include "dataset/model/error.h"
+
+namespace ohb {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+InputError model_error(const std::filesystem::path& file, const std::string& place, const std::string& what) {
+  return InputError(file.string(), place, what, "install the program anew, or fit it with label_robot --fit");
+}
+
+float number_at(const Json& json, const char* name, const std::filesystem::path& file) {
+  if (!json.is_object() || !json.contains(name) || !json[name].is_number() ||
+      !std::isfinite(json[name].get<double>()))
+    throw model_error(file, name, "is missing or no number");
+  return json[name].get<float>();
+}
+
+template <size_t N>
+std::array<float, N> weights_at(const Json& json, const char* name, const std::array<const char*, N>& cues,
+                                const std::filesystem::path& file) {
+  if (!json.contains(name) || !json[name].is_object() || json[name].size() != N)
+    throw model_error(file, name, "does not have " + std::to_string(N) + " weights");
+  std::array<float, N> weights{};
+  for (size_t i = 0; i < N; ++i) weights[i] = number_at(json[name], cues[i], file);
+  return weights;
+}
+
+template <size_t N>
+Json json_of(const std::array<float, N>& weights, const std::array<const char*, N>& cues) {
+  Json json;
+  for (size_t i = 0; i < N; ++i) json[cues[i]] = std::round(weights[i] * 1e4f) / 1e4;
+  return json;
+}
+
+}  // namespace
+
+PartValues part_probability(const LabelModel& model, const Cues& cues) {
+  PartValues p{};
+  for (int k = 0; k < kGarment; ++k)
+    for (int i = 0; i < kCueCount; ++i) p[k] += model.part_weights[k][i] * cues[i];
+  const float highest = *std::max_element(p.begin(), p.end());
+  float sum = 0;
+  for (float& value : p) sum += value = std::exp(value - highest);
+  for (float& value : p) value /= sum;
+  return p;
+}
+
+float calibrated(const LabelModel& model, float lead) {
+  if (model.lead.empty()) return 1 / (1 + std::exp(-lead));
+  const auto above = std::upper_bound(model.lead.begin(), model.lead.end(), lead);
+  if (above == model.lead.begin()) return model.right.front();
+  if (above == model.lead.end()) return model.right.back();
+  const size_t i = static_cast<size_t>(above - model.lead.begin());
+  const float t = (lead - model.lead[i - 1]) / (model.lead[i] - model.lead[i - 1]);
+  return model.right[i - 1] + t * (model.right[i] - model.right[i - 1]);
+}
+
+LabelModel read_label_model(const std::filesystem::path& file) {
+  const Json json = Json::parse(read_file(file), nullptr, false);
+  if (json.is_discarded() || !json.is_object()) throw model_error(file, "", "is not a JSON object");
+  LabelModel model;
+  model.part_weights[kSkin] = weights_at(json, "skin", kCueNames, file);
+  model.part_weights[kHair] = weights_at(json, "hair", kCueNames, file);
+  const std::array<float, 2> leather =
+      weights_at(json, "leather", std::array<const char*, 2>{"garments", "shoes"}, file);
+  for (float share : leather)
+    if (!(share > 0 && share < 1)) throw model_error(file, "leather", "is no share between 0 and 1");
+  model.leather_garments = leather[0];
+  model.leather_shoes = leather[1];
+  if (!json.contains("calibration") || !json["calibration"].is_array() || json["calibration"].empty())
+    throw model_error(file, "calibration", "is no list");
+  for (const Json& knot : json["calibration"]) {
+    model.lead.push_back(number_at(knot, "lead", file));
+    model.right.push_back(number_at(knot, "right", file));
+  }
+  for (size_t i = 0; i < model.lead.size(); ++i) {
+    const bool ascends =
+        i == 0 || (model.lead[i] > model.lead[i - 1] && model.right[i] >= model.right[i - 1]);
+    if (!ascends || model.right[i] < 0 || model.right[i] > 1)
+      throw model_error(file, "calibration", "does not ascend within [0,1]");
+  }
+  return model;
+}
+
+std::string label_model_json(const LabelModel& model) {
+  Json json;
+  json["skin"] = json_of(model.part_weights[kSkin], kCueNames);
+  json["hair"] = json_of(model.part_weights[kHair], kCueNames);
+  json["leather"] = json_of(std::array<float, 2>{model.leather_garments, model.leather_shoes},
+                            std::array<const char*, 2>{"garments", "shoes"});
+  json["calibration"] = Json::array();
+  for (size_t i = 0; i < model.lead.size(); ++i)
+    json["calibration"].push_back({{"lead", std::round(model.lead[i] * 1e3f) / 1e3},
+                                   {"right", std::round(model.right[i] * 1e4f) / 1e4}});
+  return json.dump(2) + "\n";
+}
+
+const LabelModel& installed_label_model() {
+  static const LabelModel model = read_label_model(program_file("assets/label_model.json"));
+  return model;
+}
+
+}  // namespace ohb

@@ -1,0 +1,40 @@
+// What labelling has learned from labelled people: how much each cue counts, how often garments are leather,
+// and how sure a label really is. Fitted by tests/bench/label_robot --fit; stored in assets/label_model.json.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "dataset/labelling/start_cues.h"
+
+namespace ohb {
+
+/// Skin, hair, garment: indices 0 and 1 are those of the classes.
+constexpr int kPartCount = 3, kGarment = 2;
+using PartValues = std::array<float, kPartCount>;
+
+struct LabelModel {
+  /// log p(part) = weights . cues + constant; the garment's are 0.
+  std::array<Cues, kPartCount - 1> part_weights{};
+  /// How common leather is: of garments, of shoes. Colour says nothing more, leather is dyed as cloth is; and
+  /// eight people are too few to learn what else might. So these two are not fitted but counted, by
+  /// Laplace's rule: of their sixteen large garments one is leather, of their eight pairs of shoes six.
+  float leather_garments = 0.1f, leather_shoes = 0.7f;
+  /// How often labels are right by how much they lead: piecewise linear over the leads (log odds).
+  std::vector<float> lead, right;
+};
+
+PartValues part_probability(const LabelModel& model, const Cues& cues);
+/// Of a label that leads by `lead` (log odds against all other parts): the probability that it is right.
+float calibrated(const LabelModel& model, float lead);
+
+/// Throws InputError: missing, not JSON, cues that are not these, numbers that are not finite, a calibration
+/// that does not ascend or leaves [0,1].
+LabelModel read_label_model(const std::filesystem::path& file);
+std::string label_model_json(const LabelModel& model);
+/// The installed one; read once.
+const LabelModel& installed_label_model();
+
+}  // namespace ohb

@@ -1,0 +1,51 @@
+// What start labels go by: for each face a few numbers from the place on the body, the person's own colours
+// and the texture. How much each counts is fitted, see label_model.h.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "dataset/labelling/face_features.h"
+
+namespace ohb {
+
+/// Where the parts of the body are, in cm in the scan's axes (Y up, facing +Z).
+struct BodyFrame {
+  bool is_whole = true;  // a person from head to foot; else a head or a bust
+  float ground_cm = 0, top_cm = 0;
+  float chin_cm = 0, eyes_cm = 0;      // heights
+  float head_x_cm = 0, head_z_cm = 0;  // the head's vertical axis
+  float head_cm = 23;                  // from chin to top
+
+  /// Height above the ground as a share of the person's.
+  float share_of(float y_cm) const { return (y_cm - ground_cm) / (top_cm - ground_cm); }
+};
+BodyFrame body_frame(const FaceGraph& graph);
+
+constexpr int kCueCount = 12;
+using Cues = std::array<float, kCueCount>;
+/// In the order of Cues; the weights are stored by these names.
+constexpr std::array<const char*, kCueCount> kCueNames = {"one",
+                                                          "skin_distance",
+                                                          "skin_distance_head",
+                                                          "hair_distance",
+                                                          "hair_distance_head",
+                                                          "hair_joined",
+                                                          "hair_joined_low",
+                                                          "head",
+                                                          "face",
+                                                          "above_eyes",
+                                                          "foot",
+                                                          "texture"};
+
+struct StartCues {
+  BodyFrame frame;
+  bool found_face = false;  // skin where the face should be; without, no skin is known
+  std::vector<Cues> cues;   // each within about [-1, 3]
+};
+StartCues start_cues(const FaceFeatures& features);
+
+float hue_degrees(Vec3f lab);
+float chroma(Vec3f lab);
+
+}  // namespace ohb

@@ -1,0 +1,38 @@
+// Fits what labelling learns from labelled people (dataset/labelling/label_model.h). The person of a scan is
+// its name up to the first "_", so that all forms of one person are in one fold.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dataset/labelling/labeller.h"
+#include "tests/bench/robot_run.h"
+
+namespace ohb {
+
+/// One scan, with what fitting needs of it.
+struct FitHuman {
+  const RobotHuman* human = nullptr;
+  std::string person;
+  double unit_cm = 1;
+  FaceFeatures features;
+  std::vector<Cues> cues;
+};
+FitHuman prepare_fit(const RobotHuman& human);
+
+/// A label's lead, whether its part (skin, hair, garment) is right, and its share of the person's area.
+struct LeadSample {
+  float lead = 0, weight = 0;
+  bool is_right = false;
+};
+
+/// Softmax of the parts by Newton's method, each person of the same weight, with a ridge that keeps cues that
+/// separate the people fully within reason.
+void fit_parts(const std::vector<const FitHuman*>& humans, LabelModel& model);
+/// The share that is right, ascending with the lead (pool adjacent violators), at up to 12 knots.
+void fit_calibration(std::vector<LeadSample> samples, LabelModel& model);
+
+/// The model of each scan, fitted without its person.
+std::vector<LabelModel> cross_validated_models(const std::vector<FitHuman>& humans, LabelModel& of_all);
+
+}  // namespace ohb

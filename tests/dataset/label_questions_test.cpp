@@ -1,0 +1,263 @@
+// Labels that know their doubt: garments, questions, answers, and what a confidence claims.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "dataset/labelling/labeller.h"
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/data_files.h"
+#include "dataset/production/label.h"
+#include "tests/support/shared_data.h"
+#include "tests/support/tube_person.h"
+
+namespace ohb {
+namespace {
+
+/// Repaints what is between two heights, all around.
+void dress(TubePerson& person, double low_cm, double high_cm, Vec3f srgb, MaterialClass material_class) {
+  Image picture = read_image(person.folder / "tube.png");
+  for (int y = 0; y < picture.height_px; ++y) {
+    const double height = kTubeHeight_cm * (1 - (y + 0.5) / picture.height_px);
+    if (height < low_cm || height > high_cm) continue;
+    for (int x = 0; x < picture.width_px; ++x) {
+      const float grain = 0.01f * static_cast<float>((x * 7919 + y * 104729) % 101 - 50) / 50;
+      for (int c = 0; c < 3; ++c) picture.pixel(x, y)[c] = srgb[c] + grain;
+    }
+  }
+  write_png(person.folder / "tube.png", picture);
+  const FaceGraph graph = face_graph(person.scan, 1);
+  for (size_t f = 0; f < graph.size(); ++f)
+    if (graph.centre_cm[f].y > low_cm && graph.centre_cm[f].y < high_cm) person.truth[f] = material_class;
+}
+
+double accuracy_of(const Labelling& labels, const TubePerson& person) {
+  return compare_with_truth(labels.face_class, person.truth, face_areas(person.scan)).accuracy;
+}
+
+const GarmentQuestion* question_at(const Labelling& labels, const Labeller& labeller, uint32_t face) {
+  for (const GarmentQuestion& question : labels.questions)
+    if (labeller.garments().of_face[face] == question.garment) return &question;
+  return nullptr;
+}
+
+/// The kind that came out 37 % wrong and .95 sure: nothing but the user can know.
+TEST(LabelQuestions, LeatherTrousersOfAnyColourAreAskedAboutAndOneAnswerTellsThem) {
+  const Vec3f colours[] = {
+      {0.10f, 0.08f, 0.07f}, {0.05f, 0.05f, 0.05f}, {0.85f, 0.84f, 0.82f}, {0.55f, 0.08f, 0.08f}};
+  for (const Vec3f& colour : colours) {
+    TubePerson person;
+    make_tube_person(48, 120, person);
+    dress(person, 7, 85, colour, kLeather);
+    Labeller labeller(person.scan, 1);
+    const Labelling labels = labeller.solve({});
+    const uint32_t knee = 30 * 48 + 24, chest = 85 * 48 + 24;
+    const GarmentQuestion* question = question_at(labels, labeller, knee);
+    ASSERT_TRUE(question) << colour.x;
+    EXPECT_EQ(question->name, "trousers");
+    EXPECT_NEAR(question->area_cm2, 78 * 2 * 3.1416 * 12, 400);
+    EXPECT_LT(labels.confidence[knee], kDoubtful);
+    EXPECT_EQ(std::min(question->now, question->rival), kFabric);
+    EXPECT_EQ(std::max(question->now, question->rival), kLeather);
+    const Labelling answered = labeller.solve({stroke_of_answer(labeller, question->garment, kLeather)});
+    EXPECT_EQ(question_at(answered, labeller, knee), nullptr) << "what is told is not asked again";
+    EXPECT_GT(answered.confidence[knee], kDoubtful);
+    EXPECT_EQ(answered.face_class[chest], kFabric);
+    EXPECT_GT(accuracy_of(answered, person), 0.97);
+    EXPECT_LT(accuracy_of(labels, person), 0.7) << "else this person shows nothing";
+  }
+}
+
+TEST(LabelQuestions, ComeLargestFirstAndBothAnswersAreHeard) {
+  TubePerson person;
+  make_tube_person(48, 120, person);
+  Labeller labeller(person.scan, 1);
+  const std::vector<GarmentQuestion> questions = labeller.solve({}).questions;
+  ASSERT_GE(questions.size(), 2u);
+  EXPECT_LE(questions.size(), kMostQuestions);
+  for (size_t i = 1; i < questions.size(); ++i) EXPECT_LE(questions[i].area_cm2, questions[i - 1].area_cm2);
+  const size_t garment = questions[0].garment;
+  const uint32_t face = questions[0].face;
+  EXPECT_EQ(labeller.solve({stroke_of_answer(labeller, garment, kLeather)}).face_class[face], kLeather);
+  EXPECT_EQ(labeller.solve({stroke_of_answer(labeller, garment, kFabric)}).face_class[face], kFabric);
+  EXPECT_EQ(labeller.solve({stroke_of_answer(labeller, garment, kHair)}).face_class[face], kHair);
+}
+
+TEST(LabelQuestions, StrokesThatContradictEachOtherTellNoGarment) {
+  TubePerson person;
+  make_tube_person(48, 120, person);
+  Labeller labeller(person.scan, 1);
+  const GarmentQuestion first = labeller.solve({}).questions.at(0);
+  Stroke wrong = stroke_of_answer(labeller, first.garment, kFabric);
+  const FaceGraph& graph = labeller.features().graph;
+  for (uint32_t f = 0; f < graph.size(); ++f)
+    if (labeller.garments().of_face[f] == first.garment &&
+        std::abs(graph.centre_cm[f].y - graph.centre_cm[first.face].y) < 3 &&
+        length(graph.centre_cm[f] - graph.centre_cm[first.face]) > 20)  // on the other side of the tube
+      wrong.points = {{f, graph.centre_cm[f]}};
+  wrong.time_s = 1;
+  const Labelling labels = labeller.solve({stroke_of_answer(labeller, first.garment, kLeather), wrong});
+  EXPECT_TRUE(question_at(labels, labeller, first.face));
+  EXPECT_EQ(labels.face_class[first.face], kLeather);
+  EXPECT_EQ(labels.face_class[wrong.points[0].face], kFabric);
+}
+
+TEST(LabelModel, CalibrationIsLinearBetweenItsKnotsAndHoldsItsEnds) {
+  LabelModel model;
+  model.lead = {-1, 1, 3};
+  model.right = {0.2f, 0.6f, 1};
+  EXPECT_FLOAT_EQ(calibrated(model, -5), 0.2f);
+  EXPECT_FLOAT_EQ(calibrated(model, 0), 0.4f);
+  EXPECT_FLOAT_EQ(calibrated(model, 2), 0.8f);
+  EXPECT_FLOAT_EQ(calibrated(model, 9), 1);
+}
+
+TEST(LabelModel, PartsAreASoftmaxOfTheirCues) {
+  LabelModel model;
+  Cues cues{};
+  cues[0] = 1;
+  cues[1] = 0.5f;
+  model.part_weights[kSkin][0] = 1;
+  model.part_weights[kSkin][1] = 2;
+  model.part_weights[kHair][1] = -4;
+  const PartValues p = part_probability(model, cues);
+  const double sum = std::exp(2.0) + std::exp(-2.0) + 1;
+  EXPECT_NEAR(p[kSkin], std::exp(2.0) / sum, 1e-6);
+  EXPECT_NEAR(p[kHair], std::exp(-2.0) / sum, 1e-6);
+  EXPECT_NEAR(p[kGarment], 1 / sum, 1e-6);
+}
+
+TEST(LabelModel, ReadsWhatItWroteAndRefusesWhatIsNoModel) {
+  const TemporaryFolder folder;
+  const LabelModel& model = installed_label_model();
+  const std::string text = label_model_json(model);
+  const LabelModel again = read_label_model(write_bytes(folder / "m.json", text));
+  EXPECT_EQ(label_model_json(again), text);
+  const auto refused = [&](nlohmann::json json, std::vector<std::string> words) {
+    const std::filesystem::path file = write_bytes(folder / "bad.json", json.dump());
+    const std::string message = input_error_of([&] { read_label_model(file); });
+    words.push_back("bad.json");
+    for (const std::string& word : words) expect_message(message, {word});
+  };
+  nlohmann::json json = nlohmann::json::parse(text);
+  json["skin"].erase("face");
+  refused(json, {"skin", "weights"});
+  json = nlohmann::json::parse(text);
+  json["calibration"].front()["right"] = 1.5;
+  refused(json, {"calibration", "ascend"});
+  json = nlohmann::json::parse(text);
+  json["leather"]["shoes"] = "often";
+  refused(json, {"shoes", "no number"});
+  json["leather"]["shoes"] = 1.5;
+  refused(json, {"leather", "share"});
+  refused(nlohmann::json::array(), {"object"});
+}
+
+struct TubeJob {
+  TubePerson person;
+  LabelJob job;
+  TubeJob() {
+    make_tube_person(48, 120, person);
+    dress(person, 7, 85, {0.10f, 0.08f, 0.07f}, kLeather);
+    job.scan = write_tube_obj(person, "atlas");
+    job.unit = "cm";
+    job.automatic = true;
+    job.output = person.folder / "regions";
+  }
+};
+
+TEST(LabelQuestions, TheReportAsksAndAnAnswerIsAStrokeThatCanBeGivenAgain) {
+  TubeJob tube;
+  const LabelReport asked = label_scan(tube.job);
+  ASSERT_TRUE(asked.inferred);
+  const auto& questions = asked.inferred->questions;
+  const auto trousers = std::find_if(questions.begin(), questions.end(),
+                                     [](const QuestionReport& q) { return q.name == "trousers"; });
+  ASSERT_NE(trousers, questions.end());
+  const std::string text = read_file(tube.job.output / "report.txt");
+  for (const std::string& part : {std::string("trousers,"), std::string("fabric or leather?"),
+                                  std::string("--answer trousers=leather"), trousers->rival_stroke})
+    EXPECT_NE(text.find(part), std::string::npos) << part;
+  EXPECT_NE(trousers->rival_stroke.find(" at=\""), std::string::npos);
+  for (const char* file : {"preview_front.png", "preview_back.png", "preview.svg"})
+    EXPECT_TRUE(std::filesystem::is_regular_file(tube.job.output / file)) << file;
+  EXPECT_NE(read_file(tube.job.output / "preview.svg").find("trousers"), std::string::npos);
+  EXPECT_GT(asked.inferred->doubtful_area, trousers->area_cm2 * 0.95);
+
+  tube.job.answers = {"trousers=leather"};
+  const LabelReport answered = label_scan(tube.job);
+  const std::string faces = read_file(tube.job.output / "faces.txt");
+  EXPECT_GT(answered.classes[kLeather].area, trousers->area_cm2 * 0.95);
+  LabelJob again = tube.job;
+  again.answers.clear();
+  again.automatic = false;
+  again.strokes = tube.person.folder / "strokes.xml";
+  std::filesystem::copy_file(tube.job.output / "strokes.xml", again.strokes);
+  label_scan(again);
+  EXPECT_EQ(read_file(tube.job.output / "faces.txt"), faces);
+  // The ready line is the same stroke.
+  write_bytes(again.strokes, "<strokes schema=\"1.0\">" + trousers->rival_stroke + "</strokes>");
+  std::filesystem::remove_all(tube.job.output);
+  label_scan(again);
+  EXPECT_EQ(read_file(tube.job.output / "faces.txt"), faces);
+  // So does its number.
+  tube.job.answers = {std::to_string(trousers - questions.begin() + 1) + "=leather"};
+  label_scan(tube.job);
+  EXPECT_EQ(read_file(tube.job.output / "faces.txt"), faces);
+}
+
+TEST(LabelQuestions, WrongAnswersAreRefusedInWordsAndWriteNothing) {
+  TubeJob tube;
+  const auto refused = [&](std::vector<std::string> answers, const std::vector<std::string>& words) {
+    tube.job.answers = std::move(answers);
+    const std::string message = input_error_of([&] { label_scan(tube.job); });
+    for (const std::string& word : words) expect_message(message, {word});
+    EXPECT_FALSE(std::filesystem::exists(tube.job.output));
+  };
+  refused({"hat=leather"}, {"hat=leather", "no question 'hat'", "trousers"});
+  refused({"9=leather"}, {"no question '9'"});
+  refused({"trousers"}, {"NAME=CLASS"});
+  refused({"trousers=wool"}, {"NAME=CLASS", "trousers=leather"});
+  refused({"trousers=leather", "trousers=fabric"}, {"trousers", "twice"});
+  tube.job.automatic = false;
+  refused({"trousers=leather"}, {"--answer", "--automatic"});
+}
+
+/// Measured, each person by what was learned from the others: see docs/commands/label.md. Here by the
+/// installed weights.
+TEST(LabelQuestions, DressedHumansAreRightOnceTheyAreAnswered) {
+  OHB_SHARED_DATA_OR_SKIP(folder, "humans");
+  std::vector<double> answered;
+  for (const std::filesystem::path& file : objs_below(folder)) {
+    if (file.stem().string().find("_scan") == std::string::npos) continue;
+    const Scan scan = read_scan(file);
+    std::filesystem::path truth_file = file;
+    truth_file.replace_extension(".labels.txt");
+    const std::vector<uint8_t> truth =
+        read_face_classes(truth_file, scan.face_count(), class_order_of(truth_file, file));
+    const std::vector<double> areas = face_areas(scan);
+    Labeller labeller(scan, 1);
+    const Labelling labels = labeller.solve({});
+    double wrong = 0, doubtful = 0, all = 0;
+    for (size_t f = 0; f < areas.size(); ++f) {
+      all += areas[f];
+      if (labels.face_class[f] != truth[f]) wrong += areas[f];
+      if (labels.confidence[f] < kDoubtful) doubtful += areas[f];
+    }
+    EXPECT_LT(wrong, doubtful + 0.03 * all) << file;
+    std::vector<Stroke> strokes;
+    for (const GarmentQuestion& question : labels.questions) {
+      std::array<double, kClassCount> of{};
+      for (size_t f = 0; f < areas.size(); ++f)
+        if (labeller.garments().of_face[f] == question.garment) of[truth[f]] += areas[f];
+      const auto most = std::max_element(of.begin(), of.end()) - of.begin();
+      strokes.push_back(stroke_of_answer(labeller, question.garment, static_cast<MaterialClass>(most)));
+    }
+    answered.push_back(compare_with_truth(labeller.solve(strokes).face_class, truth, areas).accuracy);
+    EXPECT_GT(answered.back(), 0.97) << file;
+  }
+  ASSERT_FALSE(answered.empty());
+  std::nth_element(answered.begin(), answered.begin() + answered.size() / 2, answered.end());
+  EXPECT_GT(answered[answered.size() / 2], 0.99);
+}
+
+}  // namespace
+}  // namespace ohb
