@@ -52,13 +52,15 @@ void add_people_command(CLI::App& app, Commands& commands) {
   command->add_option("--holes", job->scan.faults.holes, "patches of 1 to 4 cm that were not captured")
       ->check(whole_within(0, 1000))
       ->capture_default_str();
+  command->add_flag("--fused", job->fused,
+                    "one closed surface over skin, hair and clothes, as photogrammetry gives");
   command->add_flag("--baked-shading", job->scan.faults.shading, "soft light and its shadows in the picture");
   command->add_option("-o,--output", job->output, "folder for the people")->required();
   add_common_options(*command, commands.common);
   command->footer(
       help_footer({"openhumanbrdf people --assets makehuman --count 147 --balanced -o people",
                    "openhumanbrdf people --assets makehuman --count 12 --seed 7 --atlas 4096 -o people",
-                   "openhumanbrdf people --assets makehuman --count 12 --noise 0.1 --holes 10 "
+                   "openhumanbrdf people --assets makehuman --count 12 --fused --noise 0.1 --holes 10 "
                    "--baked-shading --atlas 1024 -o "
                    "hard"},
                   "An interrupted run goes on where it stopped when the same command is given again."));

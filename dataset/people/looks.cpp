@@ -23,9 +23,10 @@ float grain(Vec3f p) {
   float nearest = 9, second = 9;
   for (int k = 0; k < 27; ++k) {
     const int i = x + k % 3 - 1, j = y + k / 3 % 3 - 1, l = z + k / 9 - 1;
-    const Vec3f point{static_cast<float>(i) + cell_number(i, j, l, 1),
-                      static_cast<float>(j) + cell_number(i, j, l, 2),
-                      static_cast<float>(l) + cell_number(i, j, l, 3)};
+    const uint64_t number = cell_key(i, j, l, 1);
+    const Vec3f point{static_cast<float>(i) + static_cast<float>(number >> 48) * 0x1p-16f,
+                      static_cast<float>(j) + static_cast<float>(number >> 32 & 0xffff) * 0x1p-16f,
+                      static_cast<float>(l) + static_cast<float>(number >> 16 & 0xffff) * 0x1p-16f};
     const float distance = length(p - point);
     if (distance < nearest)
       second = nearest, nearest = distance;

@@ -15,12 +15,17 @@ inline float smooth(float low, float high, float x) {
   return t * t * (3 - 2 * t);
 }
 
-/// A number in [0, 1) of a cell of the integer lattice.
-inline float cell_number(int x, int y, int z, uint64_t which) {
+/// 64 random bits of a cell of the integer lattice.
+inline uint64_t cell_key(int x, int y, int z, uint64_t which) {
   const uint64_t key = static_cast<uint64_t>(static_cast<uint32_t>(x)) * 73856093u ^
                        static_cast<uint64_t>(static_cast<uint32_t>(y)) * 19349663u ^
                        static_cast<uint64_t>(static_cast<uint32_t>(z)) * 83492791u;
-  return static_cast<float>(mixed(key + which * 0x51ed27u) >> 40) * 0x1p-24f;
+  return mixed(key + which * 0x51ed27u);
+}
+
+/// The same as a number in [0, 1).
+inline float cell_number(int x, int y, int z, uint64_t which) {
+  return static_cast<float>(cell_key(x, y, z, which) >> 40) * 0x1p-24f;
 }
 
 /// Smooth noise in [0, 1) of period 1.

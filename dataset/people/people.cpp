@@ -18,6 +18,7 @@
 #include "dataset/model/parallel.h"
 #include "dataset/model/progress.h"
 #include "dataset/people/checks.h"
+#include "dataset/people/fused.h"
 #include "dataset/people/scan_files.h"
 
 namespace ohb::people {
@@ -28,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 /// A person that fails this often is taken as it came out last, and says so.
 constexpr int kMostRedraws = 12;
 /// Changes when the same seed gives another person.
-constexpr int kRecipeVersion = 2;
+constexpr int kRecipeVersion = 3;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -43,6 +44,7 @@ nlohmann::json request_of(const PeopleJob& job, const Assets& assets, int index)
           {"noise_cm", job.scan.faults.noise_cm},
           {"holes", job.scan.faults.holes},
           {"baked_shading", job.scan.faults.shading},
+          {"fused", job.fused},
           {"preview_px", job.preview_px},
           {"recipe_version", kRecipeVersion},
           {"assets", assets.fingerprint()}};
@@ -110,7 +112,8 @@ MadePerson make_person(const PeopleJob& job, const Assets& assets, int index) {
     redrawn.push_back(verdict);
   }
   throw_if_interrupted();
-  const ScannedPerson scan = scan_person(std::move(person), job.scan);
+  ScannedPerson scan = scan_person(std::move(person), job.scan);
+  if (job.fused) scan = fused(scan);
   nlohmann::json extra = {{"recipe", to_json(made.recipe)},
                           {"checks", to_json(faults)},
                           {"redrawn_because", redrawn},

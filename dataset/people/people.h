@@ -16,6 +16,7 @@ struct PeopleJob {
   int count = 1;
   DrawOptions draw;
   ScanOptions scan;
+  bool fused = false;  // one closed surface, as photogrammetry gives
   int preview_px = 384;
   bool quiet = false;
 };

@@ -1,10 +1,15 @@
 // Packing, layers and hiding on shapes whose answer is known.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <map>
+
 #include "dataset/people/atlas.h"
 #include "dataset/people/checks.h"
+#include "dataset/people/fused.h"
 #include "dataset/people/random.h"
 #include "dataset/people/visible_faces.h"
+#include "dataset/people/voxel_wrap.h"
 
 namespace ohb::people {
 namespace {
@@ -140,6 +145,81 @@ TEST(Hair, SplitFacesKeepTheirSurfaceAndEmptyOnesGo) {
   EXPECT_NEAR(area, 400, .01f);
   drop_empty_faces(hair, [](Vec2f uv) { return uv.x < .5f ? 1.0f : 0.0f; });
   EXPECT_EQ(hair.faces.size(), 200u);
+}
+
+/// A box of quads without its lid.
+void open_box(std::vector<Vec3f>& positions, std::vector<SurfaceTriangle>& triangles) {
+  for (int i = 0; i < 8; ++i)
+    positions.push_back({i & 1 ? 5.0f : -5.0f, i & 2 ? 10.0f : 0.0f, i & 4 ? 5.0f : -5.0f});
+  const uint32_t quads[5][4] = {{0, 1, 5, 4}, {0, 2, 3, 1}, {4, 5, 7, 6}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  for (uint32_t q = 0; q < 5; ++q) {
+    triangles.push_back({{quads[q][0], quads[q][1], quads[q][2]}, q});
+    triangles.push_back({{quads[q][0], quads[q][2], quads[q][3]}, q});
+  }
+}
+
+double volume_of(const WrappedSurface& surface) {
+  double volume = 0;
+  for (const auto& q : surface.quads)
+    for (const size_t k : {size_t{1}, size_t{2}})
+      volume += static_cast<double>(dot(surface.positions_cm[q[0]],
+                                        cross(surface.positions_cm[q[k]], surface.positions_cm[q[k + 1]]))) /
+                6;
+  return volume;
+}
+
+TEST(VoxelWrap, IsClosedAndLooksOutwards) {
+  std::vector<Vec3f> positions;
+  std::vector<SurfaceTriangle> triangles;
+  open_box(positions, triangles);
+  // With its lid the box is solid: 10 x 10 x 10, and a voxel all around.
+  triangles.push_back({{2, 6, 7}, 5}), triangles.push_back({{2, 7, 3}, 5});
+  constexpr float kVoxel = .5f;
+  const WrappedSurface closed = wrap(positions, triangles, kVoxel);
+  const double with_shell = std::pow(10 + 2 * static_cast<double>(kVoxel), 3);
+  EXPECT_NEAR(volume_of(closed), with_shell, .03 * with_shell);
+  std::map<std::pair<uint32_t, uint32_t>, int> forward;
+  for (const auto& q : closed.quads)
+    for (size_t k = 0; k < 4; ++k) {
+      const uint32_t a = q[k], b = q[(k + 1) % 4];
+      forward[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
+    }
+  for (const auto& [edge, sum] : forward) ASSERT_EQ(sum, 0) << "an edge with one side only";
+  // Without it the walls alone are solid, on both sides.
+  triangles.resize(triangles.size() - 2);
+  EXPECT_LT(volume_of(wrap(positions, triangles, kVoxel)), .6 * with_shell);
+}
+
+TEST(Fused, KeepsClassesAndPlaces) {
+  std::vector<SurfaceTriangle> triangles;
+  ScannedPerson scan;
+  open_box(scan.positions_cm, triangles);
+  for (const SurfaceTriangle& triangle : triangles) {
+    scan.face_begin.push_back(static_cast<uint32_t>(scan.corners.size()));
+    for (const uint32_t corner : triangle.corner) scan.corners.push_back({corner, 0});
+    scan.face_class.push_back(triangle.face == 0 ? kLeather : kFabric);
+    scan.part_of_face.push_back("box");
+  }
+  scan.face_begin.push_back(static_cast<uint32_t>(scan.corners.size()));
+  scan.uvs.push_back({.5f, .5f});
+  scan.picture = ByteImage(256, 256, 3);
+  std::fill(scan.picture.values.begin(), scan.picture.values.end(), uint8_t{77});
+  const ScannedPerson one = fused(scan, .5f);
+  EXPECT_GT(one.face_count(), 1500u);
+  for (const Vec3f& p : one.positions_cm) {
+    const float outside = std::max({std::fabs(p.x) - 5, std::fabs(p.z) - 5, -p.y, p.y - 10});
+    EXPECT_LT(outside, .2f) << "drawn back to within a fifth of its shell";
+  }
+  size_t leather = 0;
+  for (size_t face = 0; face < one.face_count(); ++face) {
+    const Vec3f at = one.positions_cm[one.corners[one.face_begin[face]].position];
+    leather += one.face_class[face] == kLeather;
+    EXPECT_TRUE(one.face_class[face] != kLeather || at.y < 1.5f);
+  }
+  EXPECT_GT(leather, 300u);
+  for (const Vec2f uv : one.uvs) EXPECT_TRUE(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1);
+  for (const uint8_t value : one.picture.values) ASSERT_EQ(value, 77);
+  EXPECT_EQ(fused(scan, .5f).picture.values, one.picture.values);
 }
 
 TEST(Verdict, NamesWhatIsWrong) {
