@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
+#include "dataset/model/json_text.h"
 
 namespace ohb {
 namespace {
@@ -65,8 +65,8 @@ float calibrated(const LabelModel& model, float lead) {
 }
 
 LabelModel read_label_model(const std::filesystem::path& file) {
-  const Json json = Json::parse(read_file(file), nullptr, false);
-  if (json.is_discarded() || !json.is_object()) throw model_error(file, "", "is not a JSON object");
+  const Json json = parse_json<Json>(read_file(file), file.string());
+  if (!json.is_object()) throw model_error(file, "", "is not a JSON object");
   LabelModel model;
   model.part_weights[kSkin] = weights_at(json, "skin", kCueNames, file);
   model.part_weights[kHair] = weights_at(json, "hair", kCueNames, file);
@@ -101,7 +101,7 @@ std::string label_model_json(const LabelModel& model) {
   for (size_t i = 0; i < model.lead.size(); ++i)
     json["calibration"].push_back({{"lead", std::round(model.lead[i] * 1e3f) / 1e3},
                                    {"right", std::round(model.right[i] * 1e4f) / 1e4}});
-  return json.dump(2) + "\n";
+  return json_text(json, 2) + "\n";
 }
 
 const LabelModel& installed_label_model() {
