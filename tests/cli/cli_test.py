@@ -231,7 +231,7 @@ class Commands(unittest.TestCase):
         self.assertEqual(digest(samples), before)
         self.assertEqual(len(json.loads((samples / "render.json").read_text())["views"]), 2)
         (samples / "render.json").write_text("{")
-        self.expect_refusal(self.render(samples), "render.json", "damaged")
+        self.expect_refusal(self.render(samples), "render.json", "not well-formed")
 
     def test_error_goal(self):
         arguments = ["render", self.folder / "model", "--environment", self.environment, "--size", 48, "--json", "-o"]
@@ -249,7 +249,7 @@ class Commands(unittest.TestCase):
         # Too few paths for it: written, with a warning that names what was reached.
         result = run(*arguments, self.folder / "short", "--error", 0.001, "--max-spp", 32)
         self.assertEqual(result.returncode, DONE, result.stderr)
-        self.assertIn("instead of 0.001", result.stderr)
+        self.assertIn("times the goal of 0.001", result.stderr)
         self.assertFalse(json.loads(result.stdout)["views"][0]["error"]["met"])
         self.expect_refusal(run(*arguments, self.folder / "x", "--error", 0.1, "--spp", 4), "--spp", "--error")
         for value in ("0", "-1", "2", "nan", "much"):
