@@ -106,7 +106,7 @@ TEST(Checkpoint, RefusesWhatDoesNotFitInWords) {
   write_tensors(folder / "x.safetensors", {{}, {}});
   expect_message(input_error_of([&] { load_network(folder / "x.safetensors"); }), {"not of a humanmaterial"});
   write_tensors(folder / "x.safetensors", {{}, {{"humanmaterial", "{"}}});
-  expect_message(input_error_of([&] { load_network(folder / "x.safetensors"); }), {"no JSON"});
+  expect_message(input_error_of([&] { load_network(folder / "x.safetensors"); }), {"not well-formed"});
   expect_message(input_error_of([&] { load_network(folder / "none"); }), {"no such file"});
 }
 
