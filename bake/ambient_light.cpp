@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <new>
 #include <stdexcept>
 
 #include "renderer/embree_compat.h"
@@ -29,7 +30,7 @@ struct Occluders {
       triangle_of.push_back(t);
     }
     device = rtcNewDevice(nullptr);
-    if (!device) throw std::runtime_error("Embree found no device");
+    if (!device) throw std::bad_alloc();  // the only thing that it can lack here
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0,
                                sizeof(Vec3f), positions.size() - 1);

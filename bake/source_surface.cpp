@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -164,7 +165,7 @@ void SourceSurface::read_materials(const Scan& scan, const Model& mesh,
 
 void SourceSurface::build_bvh() {
   device_ = rtcNewDevice(nullptr);
-  if (!device_) throw std::runtime_error("Embree found no device");
+  if (!device_) throw std::bad_alloc();  // the only thing that it can lack here
   rtcSetDeviceErrorFunction(device_, throw_embree_error, nullptr);
   RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
   rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions_.data(), 0,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <stdexcept>
 
 #include "dataset/model/tangent_frame.h"
@@ -88,7 +89,7 @@ Scene::Scene(const Model& model) : positions(model.positions_cm), bounds(bounds_
   }
 
   device_ = rtcNewDevice(nullptr);
-  if (!device_) throw std::runtime_error("Embree found no device");
+  if (!device_) throw std::bad_alloc();  // the only thing that it can lack here
   rtcSetDeviceErrorFunction(device_, throw_embree_error, nullptr);
   opaque = build_bvh(device_, *this, 0, opaque_count, false);
   cutout = build_bvh(device_, *this, opaque_count, static_cast<uint32_t>(order.size()) - opaque_count, true);
