@@ -70,7 +70,7 @@ TEST(Stress, BadCataloguesAreRefused) {
   const auto message_of = [&](const std::string& text) {
     return input_error_of([&] { read_stress_catalogue(write_bytes(folder / "c.json", text)); });
   };
-  expect_message(message_of("{"), {"c.json", "parse"});
+  expect_message(message_of("{"), {"c.json", "well-formed"});
   expect_message(message_of(R"({"cases": [{"name": "x"}]})"), {"c.json", "case 1 (x)", "scene"});
   const std::string head =
       R"({"cases": [{"name": "x", "scene": "sun", "what": "", "parameter": "", "acceptable": "", )";
