@@ -70,6 +70,8 @@ class Options(unittest.TestCase):
                 if float(low) > 1e-300:
                     bad.append("%g" % (float(low) / 2 if kind == "FLOAT" else float(low) - 1))
                 bad.append("%.17g" % (2 * float(high) + 1))
+                if not os.environ.get("OHB_ENDS") and program == "humanmaterial":
+                    bad = bad[-2:]  # it takes most of a second to start; the range is checked by the same code
                 for value in bad:
                     if self.is_within(value, float(low), float(high), kind):
                         continue
