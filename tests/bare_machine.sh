@@ -131,7 +131,7 @@ mkdir "$root/second/here"
 cp "$root"/first/checkout/build/package/*.deb "$source/tests/install/every_command.sh" "$root/second/here/" || failed="$failed copy"
 timed install second yes "set -e; cd /here; apt-get update -q; $(printed "Installing a package")
   if command -v g++ cmake; then exit 1; fi"
-timed every_command second no "bash /here/every_command.sh /usr /here/out"
+timed every_command second no "bash /here/every_command.sh /usr /here/commands"
 timed installed_quickstart second no "set -e; cd /here; cp -r /usr/share/openhumanbrdf/assets .
   $(printf '%s\n' "$quickstart" | sed '/^\.\/demo/d; /^export PATH/d')"
 timed remove second no "apt-get purge -y -q openhumanbrdf && test ! -e /usr/share/openhumanbrdf"
