@@ -58,7 +58,7 @@ struct InspectReport {
   size_t non_manifold_edges = 0;                // edges of more than two faces
   size_t inconsistent_edges = 0;                // both faces run along them the same way: one is inside out
   size_t components = 0, small_components = 0;  // joined by edges; small: below 0.1 % of the area
-  std::optional<Vec3d> removed_offset;  // as in Scan
+  std::optional<Vec3d> removed_offset;          // as in Scan
   std::vector<std::string> notes;
   std::vector<Warning> missing;  // pictures and .mtl files that the scan names: label and bake refuse it
   std::vector<Warning> warnings;

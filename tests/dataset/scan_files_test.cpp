@@ -39,7 +39,7 @@ const std::vector<Name> kNames{
     {"network path", "\\\\server\\share\\tex.png", "tex.png"},
     {"Unix path", "/home/someone/scan/tex.png", "tex.png"},
     {"file URL", "file:///home/someone/my%20tex.png", "my tex.png"},
-    {"end of the path", "D:/work/Textures/tex.png", "textures/tex.png"},
+    {"end of the path", "D:/scans/Textures/tex.png", "textures/tex.png"},
     {"above the scan", "../../elsewhere/tex.png", "tex.png"},
     {"quotes", "\"my tex.png\"", "my tex.png"},
     {"single quotes and blanks", "' my tex.png ' ", "my tex.png"},
