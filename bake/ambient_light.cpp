@@ -7,10 +7,10 @@
 #include <new>
 #include <stdexcept>
 
-#include "renderer/embree_compat.h"
-#include "renderer/sampling.h"
+#include "dataset/model/sampling.h"
+#include "dataset/surface/embree_compat.h"
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 constexpr float kStartShare = 1e-4f;  // of the mesh's diagonal: how far above the surface rays start
@@ -72,7 +72,7 @@ Vec3f irradiance_at(const Occluders& occluders, const Model& mesh, const std::ve
     r.ray.tfar = std::numeric_limits<float>::infinity();
     r.ray.mask = 0xffffffffu;
     r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    intersect_one(occluders.bvh, r);
+    surface::intersect_one(occluders.bvh, r);
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
       sum += Vec3f{1, 1, 1};
       continue;
@@ -98,4 +98,4 @@ std::vector<Vec3f> ambient_irradiance(const Model& mesh, const std::vector<uint8
   return irradiance;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

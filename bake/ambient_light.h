@@ -6,7 +6,7 @@
 
 #include "dataset/model/model.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 /// Irradiance at each position of the mesh, over that of an open plane (1), R, G and B: light of 1 from every
 /// direction that sees the outside, and from the others what the surface there sends back.
@@ -18,4 +18,4 @@ namespace ohb {
 std::vector<Vec3f> ambient_irradiance(const Model& mesh, const std::vector<uint8_t>& occludes,
                                       const std::vector<Vec3f>& glow, int rays);
 
-}  // namespace ohb
+}  // namespace ohb::bake

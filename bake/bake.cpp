@@ -14,7 +14,7 @@
 #include "dataset/model/model_files.h"
 #include "dataset/model/progress.h"
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 CanonicalMesh mesh_of(const Scan& scan, const Regions& regions, const BakeOptions& options,
@@ -193,54 +193,55 @@ Image image_of_valid(const ByteImage& bytes) {
   return image;
 }
 
-}  // namespace
-
-BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const MaterialTable& table,
-                          const BakeOptions& options, const std::filesystem::path& folder) {
-  BakeReport report;
-  const CanonicalMesh mesh = mesh_of(scan, regions, options, report);
+/// Gives each texture set of the scan's mesh to `take`, one after the other so that few maps are in memory at
+/// once.
+CanonicalMesh bake_sets(const Scan& scan, const Regions& regions, const MaterialTable& table,
+                        const BakeOptions& options, BakeReport& report,
+                        const std::function<void(Model& mesh, size_t set_index, SetBake& set)>& take) {
+  CanonicalMesh mesh = mesh_of(scan, regions, options, report);
   MeshFrames frames;
   std::unique_ptr<SourceBake> source;
   run_side_by_side({[&] { frames = frames_of(mesh.model); },
                     [&] { source = source_of(mesh, frames, scan, options, report); }});
   const std::vector<std::string> folders = folders_of(mesh);
   report.sets.resize(folders.size());
-  std::vector<TextureSetEntry> entries;
   Progress progress("baking " + options.name, folders.size(), options.quiet);
   for (size_t i = 0; i < folders.size(); ++i) {
-    SetReport& set_report = report.sets[i];
-    set_report.folder = folders[i];
-    SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, frames, source.get(), set_report);
-    entries.push_back(write_set(set, folder,
-                                {mesh.model.sets[i].name, folders[i], set.width_px(), set.height_px(), {}},
-                                options.wants_mips));
+    report.sets[i].folder = folders[i];
+    SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, frames, source.get(), report.sets[i]);
+    take(mesh.model, i, set);
     progress.add();
   }
+  return mesh;
+}
+
+}  // namespace
+
+BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const MaterialTable& table,
+                          const BakeOptions& options, const std::filesystem::path& folder) {
+  BakeReport report;
+  std::vector<TextureSetEntry> entries;
+  const auto write = [&](Model& mesh, size_t i, SetBake& set) {
+    entries.push_back(write_set(
+        set, folder, {mesh.sets[i].name, report.sets[i].folder, set.width_px(), set.height_px(), {}},
+        options.wants_mips));
+  };
+  const CanonicalMesh mesh = bake_sets(scan, regions, table, options, report, write);
   write_model_mesh(folder, mesh.model, entries);
   write_file_atomically(folder / "report.json", json_text(to_json(report), 2) + "\n");
   return report;
 }
 
-Model bake(const Scan& scan, const Regions& regions, const MaterialTable& table, const BakeOptions& options,
-           BakeReport* report) {
+Model bake_model(const Scan& scan, const Regions& regions, const MaterialTable& table,
+                 const BakeOptions& options, BakeReport* report) {
   BakeReport own;
-  BakeReport& out = report ? *report : own;
-  CanonicalMesh mesh = mesh_of(scan, regions, options, out);
-  MeshFrames frames;
-  std::unique_ptr<SourceBake> source;
-  run_side_by_side({[&] { frames = frames_of(mesh.model); },
-                    [&] { source = source_of(mesh, frames, scan, options, out); }});
-  const std::vector<std::string> folders = folders_of(mesh);
-  out.sets.resize(folders.size());
-  for (size_t i = 0; i < folders.size(); ++i) {
-    out.sets[i].folder = folders[i];
-    SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, frames, source.get(), out.sets[i]);
-    TextureSet& maps = mesh.model.sets[i];
+  const auto keep = [](Model& mesh, size_t i, SetBake& set) {
+    TextureSet& maps = mesh.sets[i];
     run_jobs(map_jobs(set, [&](const MapKind& kind, Image image) { maps.*kind.image = std::move(image); }),
              2);
     maps.valid = image_of_valid(set.valid());
-  }
-  return std::move(mesh.model);
+  };
+  return std::move(bake_sets(scan, regions, table, options, report ? *report : own, keep).model);
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

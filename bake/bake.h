@@ -9,13 +9,13 @@
 
 #include "bake/bake_report.h"
 #include "bake/canonical_mesh.h"
-#include "bake/picture.h"
 #include "dataset/model/material_table.h"
 #include "dataset/model/model.h"
 #include "dataset/model/regions.h"
 #include "dataset/model/scan.h"
+#include "dataset/surface/picture.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 constexpr int kMaxMapSize_px = 8192;
 constexpr int kSizeWithoutPicture_px = 1024;
@@ -26,7 +26,7 @@ struct BakeSource {
   const Scan* scan = nullptr;
   std::string sha256;  // of its file, for the report
   double unit_cm = 1;
-  std::vector<GreenChannel> green;  // of each of its materials; empty: all up
+  std::vector<surface::GreenChannel> green;  // of each of its materials; empty: all up
   /// How far from the low mesh it may lie, either way; 0: kReachShare of the low mesh's diagonal.
   double reach_cm = 0;
   /// The low mesh with its points moved outwards: how far and in which direction each ray looks outwards.
@@ -40,13 +40,13 @@ struct BakeOptions {
   /// the set's diffuse picture has (without one the source's largest, without that kSizeWithoutPicture_px),
   /// at most kMaxMapSize_px.
   int size_px = 0;
-  double unit_cm = 1;               // cm a unit of the scan
-  std::string unit_reason;          // for the report
-  std::string name;                 // of the model
-  bool quiet = true;                // no progress bar
-  std::vector<GreenChannel> green;  // of each of the scan's materials; empty: all up
-  bool mends_seams = true;          // makes the two sides of each seam agree
-  bool wants_mips = false;          // writes each map with its mip levels, whose seams are mended too
+  double unit_cm = 1;                        // cm a unit of the scan
+  std::string unit_reason;                   // for the report
+  std::string name;                          // of the model
+  bool quiet = true;                         // no progress bar
+  std::vector<surface::GreenChannel> green;  // of each of the scan's materials; empty: all up
+  bool mends_seams = true;                   // makes the two sides of each seam agree
+  bool wants_mips = false;  // writes each map with its mip levels, whose seams are mended too
   /// Of each of the scan's materials: weights.exr of its REGIONS (the shares of the classes); empty, as a
   /// whole or for one: borders are hard.
   std::vector<std::filesystem::path> class_weights;
@@ -64,7 +64,7 @@ BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const Materi
                           const BakeOptions& options, const std::filesystem::path& folder);
 
 /// The same in memory.
-Model bake(const Scan& scan, const Regions& regions, const MaterialTable& table, const BakeOptions& options,
-           BakeReport* report = nullptr);
+Model bake_model(const Scan& scan, const Regions& regions, const MaterialTable& table,
+                 const BakeOptions& options, BakeReport* report = nullptr);
 
-}  // namespace ohb
+}  // namespace ohb::bake

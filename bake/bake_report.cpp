@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 double share(double part, double whole) {
@@ -172,4 +172,4 @@ std::string to_text(const BakeReport& report) {
   return text;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

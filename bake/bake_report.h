@@ -9,7 +9,7 @@
 
 #include "bake/seams.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 /// How far a map's two sides differ at the seams, as seams.h measures it.
 struct MapSeams {
@@ -81,4 +81,4 @@ nlohmann::ordered_json to_json(const BakeReport& report);
 /// For people: one line a set and the warnings.
 std::string to_text(const BakeReport& report);
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -5,10 +5,10 @@
 #include <string>
 
 #include "bake/repeated_faces.h"
-#include "bake/texel_coverage.h"
 #include "dataset/model/error.h"
+#include "dataset/surface/texel_coverage.h"
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 InputError face_error(const Scan& scan, size_t face, const std::string& cause, const std::string& mend) {
@@ -41,17 +41,19 @@ void check_uvs(const Scan& scan, const ScanTriangle& triangle) {
       throw face_error(scan, triangle.face, "has no UV coordinates",
                        "unwrap the mesh first: maps are baked into its UV layout");
     const Vec2f a = scan.uvs[corner.uv];
-    if (!(std::abs(a.x) <= kMaxUv && std::abs(a.y) <= kMaxUv))
-      throw face_error(scan, triangle.face, "has a UV coordinate beyond " + std::to_string(int(kMaxUv)),
+    if (!(std::abs(a.x) <= surface::kMaxUv && std::abs(a.y) <= surface::kMaxUv))
+      throw face_error(scan, triangle.face,
+                       "has a UV coordinate beyond " + std::to_string(int(surface::kMaxUv)),
                        "divide UVs in pixels by the size of the picture");
   }
   for (int c = 0; c < 3; ++c) {
     const Vec2f a = scan.uvs[scan.corners[triangle.corner[c]].uv];
     const Vec2f b = scan.uvs[scan.corners[triangle.corner[(c + 1) % 3]].uv];
-    if (!(std::abs(a.x - b.x) <= kMaxUvSpan && std::abs(a.y - b.y) <= kMaxUvSpan))
-      throw face_error(scan, triangle.face,
-                       "spans more than " + std::to_string(int(kMaxUvSpan)) + " repetitions of its picture",
-                       "correct the UVs of this face");
+    if (!(std::abs(a.x - b.x) <= surface::kMaxUvSpan && std::abs(a.y - b.y) <= surface::kMaxUvSpan))
+      throw face_error(
+          scan, triangle.face,
+          "spans more than " + std::to_string(int(surface::kMaxUvSpan)) + " repetitions of its picture",
+          "correct the UVs of this face");
   }
 }
 
@@ -154,4 +156,4 @@ double area_cm2(const Model& model, const ModelTriangle& triangle) {
   return std::sqrt(x * x + y * y + z * z) / 2;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -8,7 +8,7 @@
 #include "dataset/model/regions.h"
 #include "dataset/model/scan.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 struct CanonicalMesh {
   Model model;                            // sets have their names and no maps yet
@@ -28,4 +28,4 @@ CanonicalMesh canonical_mesh(const Scan& scan, const Regions& regions, double un
 /// Area of triangle t in square centimetres.
 double area_cm2(const Model& model, const ModelTriangle& triangle);
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <optional>
 
-#include "bake/picture.h"
 #include "bake/texture_set_bake.h"
 #include "dataset/model/error.h"
+#include "dataset/surface/picture.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 ClassMaterial mix_classes(const MaterialTable& table, const std::array<float, kClassCount>& shares) {
   ClassMaterial mixed;
@@ -48,7 +48,7 @@ Image SetBake::class_values() const {
     pure[c] = mix_classes(table_, all_of_one);
   }
   const Image shares = class_shares();
-  ResampleWeights known;  // texels of faces
+  surface::ResampleWeights known;  // texels of faces
   known.pixel_weights = Image(shares.width_px, shares.height_px, 1);
   constexpr uint8_t kMixed = kClassCount;
   std::vector<uint8_t> only_class(known.pixel_weights.values.size(), kMixed);  // of each pixel, if it has one
@@ -60,13 +60,13 @@ Image SetBake::class_values() const {
     for (uint8_t c = 0; c < kClassCount; ++c)
       if (of_pixel[c] == 1 && sum == 1) only_class[i] = c;
   }
-  std::optional<Resampler> resampler;
+  std::optional<surface::Resampler> resampler;
   if (!shares.values.empty()) resampler.emplace(shares, width_px(), height_px(), known);
   Image values(width_px(), height_px(), 3);
   tbb::parallel_for(0, height_px(), [&](int y) {
     for (int x = 0; x < width_px(); ++x) {
       const uint32_t owner = coverage_.owner_of(x, y);
-      if (owner == TexelCoverage::kNone) continue;
+      if (owner == surface::TexelCoverage::kNone) continue;
       ClassMaterial out = pure[mesh_.model.triangles[triangles_.index[owner]].material_class];
       const uint8_t only = resampler ? resampler->common_byte(x, y, only_class, kMixed) : kMixed;
       if (only != kMixed) {
@@ -89,4 +89,4 @@ Image SetBake::class_values() const {
   return values;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -5,7 +5,7 @@
 #include <atomic>
 #include <exception>
 
-namespace ohb {
+namespace ohb::bake {
 
 void run_jobs(const Jobs& jobs, size_t at_once) {
   std::vector<std::exception_ptr> thrown(jobs.size());
@@ -28,4 +28,4 @@ void run_jobs(const Jobs& jobs, size_t at_once) {
     if (exception) std::rethrow_exception(exception);
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-namespace ohb {
+namespace ohb::bake {
 
 using Jobs = std::vector<std::function<void()>>;
 
@@ -17,4 +17,4 @@ inline void run_side_by_side(const Jobs& jobs) {
   run_jobs(jobs, jobs.size());
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/padding.h"
 #include "dataset/model/halves.h"
+#include "dataset/surface/padding.h"
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 /// Footprints this close to one pixel are one pixel: rounding must not blur a mesh baked onto itself.
@@ -42,7 +42,7 @@ int wrapped(int i, int size) {
 }  // namespace
 
 MipTexture::MipTexture(Image picture, std::vector<uint8_t> is_shown) : channels_(picture.channels) {
-  for (const Image& level : padded_levels(std::move(picture), std::move(is_shown)))
+  for (const Image& level : surface::padded_levels(std::move(picture), std::move(is_shown)))
     levels_.push_back({level.width_px, level.height_px, halves_of(level.values.data(), level.values.size())});
 }
 
@@ -90,4 +90,4 @@ void MipTexture::sample(Vec2f uv, const UvFootprint& footprint, float* out) cons
   }
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -7,7 +7,7 @@
 #include "dataset/model/image.h"
 #include "dataset/model/vec.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 /// How far a UV lookup reaches: the UV steps of one texel to the right and of one texel up in the map that is
 /// being made.
@@ -44,4 +44,4 @@ class MipTexture {
   std::vector<Level> levels_;  // level l halves level l - 1, rounded up
 };
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 std::array<float, 3> key_of(Vec3f p) {
@@ -72,4 +72,4 @@ std::vector<bool> repeated_faces(const Scan& scan) {
   return repeated;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -10,7 +10,7 @@
 #include "bake/seam_places.h"
 #include "bake/seam_values.h"
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 /// How much more a texel inside a triangle resists than one of the background.
@@ -310,4 +310,4 @@ LevelMending mend_level(Image& map, const std::vector<Seam>& seams, const std::v
   return mending;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -5,7 +5,7 @@
 
 #include "bake/seams.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 struct LevelMending {
   float most_changed = 0;      // of a texel inside a triangle
@@ -30,4 +30,4 @@ struct LevelMending {
 LevelMending mend_level(Image& map, const std::vector<Seam>& seams, const std::vector<uint8_t>& is_inside,
                         MapValues values);
 
-}  // namespace ohb
+}  // namespace ohb::bake

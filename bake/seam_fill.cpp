@@ -8,7 +8,7 @@
 
 #include "bake/source_bake.h"
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 int wrapped(int i, int size) {
@@ -198,4 +198,4 @@ std::vector<uint8_t> SeamBand::fill(Image& map, const std::vector<uint8_t>& is_c
   return is_filled;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -6,7 +6,7 @@
 
 #include "bake/seams.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 /// How far from the border it reaches: bilinear lookups at mip level 4 reach 2 blocks of 16 texels.
 constexpr int kSeamBand_px = 32;
@@ -59,4 +59,4 @@ class SeamBand {
   std::vector<Carried> carried_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -7,7 +7,7 @@
 
 #include "dataset/model/colour.h"
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 /// How much a texel inside a triangle gives way at level 0, of what one of the background does.
@@ -335,4 +335,4 @@ float SeamMender::mend(Image& map, MapValues values, float tolerance) const {
   return most;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -5,7 +5,7 @@
 
 #include "bake/seams.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 constexpr int kMendRounds = 2;
 constexpr int kMendSweeps = 12;
@@ -69,4 +69,4 @@ class SeamMender {
   size_t texels_end_ = 0;            // blocks_ before it are of level 0
 };
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 /// Pieces shorter than this along the longer side are part of their neighbour; of others that are short a
@@ -119,4 +119,4 @@ void SeamPlaces::link_texels(int width_px, int height_px) {
       for (uint32_t texel : side) reads[at[texel]++] = p;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

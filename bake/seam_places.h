@@ -7,7 +7,7 @@
 
 #include "bake/seams.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 /// A point of a seam as two bilinear lookups.
 struct SeamPlace {
@@ -38,4 +38,4 @@ struct SeamPlaces {
 
 constexpr float kQuadraticOvershoot = 1.25f;
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace ohb {
+namespace ohb::bake {
 
 using Matrix = Eigen::SparseMatrix<double>;
 
@@ -163,4 +163,4 @@ auto SeamSystem<kFree, kColumns>::solve(const std::vector<Row>& rows, const std:
 template class SeamSystem<1, 3>;
 template class SeamSystem<2, 1>;
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-namespace ohb {
+namespace ohb::bake {
 
 /// Unknowns are changes of texels, each of kFree numbers in kColumns independent columns (a colour: one
 /// number in three columns that share a matrix; a direction: two numbers in one). solve() gives the x that
@@ -56,4 +56,4 @@ class SeamSystem {
 extern template class SeamSystem<1, 3>;
 extern template class SeamSystem<2, 1>;
 
-}  // namespace ohb
+}  // namespace ohb::bake

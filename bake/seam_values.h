@@ -11,7 +11,7 @@
 #include "bake/seams.h"
 #include "dataset/model/colour.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 /// What seams may differ by: 1/255 of a stored value or of a colour's sRGB encoding, 1 degree.
 constexpr float kSeamLimit = 1.0f / 255, kNormalSeamLimit_degrees = 1;
@@ -154,4 +154,4 @@ class NormalSeams {
   const std::vector<Seam>& seams_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -8,7 +8,7 @@
 
 #include "dataset/model/colour.h"
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 struct EdgeUse {
@@ -241,4 +241,4 @@ std::vector<SeamError> seam_errors(const Image& map, const std::vector<Seam>& se
   return errors;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "bake/texel_coverage.h"
 #include "dataset/model/image.h"
 #include "dataset/model/model.h"
 #include "dataset/model/tangent_frame.h"
+#include "dataset/surface/texel_coverage.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 /// Smooth normals and MikkTSpace tangents of the mesh that is baked onto.
 struct MeshFrames {
@@ -71,4 +71,4 @@ inline Vec3f to_model(const SeamFrame& frame, Vec3f v) {
   return v.x * frame.tangent + v.y * frame.bitangent + v.z * frame.normal;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

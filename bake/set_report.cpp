@@ -7,10 +7,10 @@
 #include "bake/texture_set_bake.h"
 #include "dataset/model/error.h"
 
-namespace ohb {
+namespace ohb::bake {
 
-void report_geometry(const Model& model, const SetTriangles& triangles, const TexelCoverage& coverage,
-                     SetReport& report) {
+void report_geometry(const Model& model, const SetTriangles& triangles,
+                     const surface::TexelCoverage& coverage, SetReport& report) {
   report.width_px = coverage.width_px;
   report.height_px = coverage.height_px;
   report.triangles = triangles.index.size();
@@ -21,8 +21,9 @@ void report_geometry(const Model& model, const SetTriangles& triangles, const Te
   for (size_t t = 0; t < triangles.index.size(); ++t) {
     const double area = area_cm2(model, model.triangles[triangles.index[t]]);
     const Vec2f* const uv = triangles.uvs[t].uv;
-    const double uv_area = difference_of_products(double(uv[1].x) - uv[0].x, double(uv[2].y) - uv[0].y,
-                                                  double(uv[1].y) - uv[0].y, double(uv[2].x) - uv[0].x);
+    const double uv_area =
+        surface::difference_of_products(double(uv[1].x) - uv[0].x, double(uv[2].y) - uv[0].y,
+                                        double(uv[1].y) - uv[0].y, double(uv[2].x) - uv[0].x);
     report.area_cm2 += area;
     if (uv_area < 0) report.mirrored_area_cm2 += area;
     if (uv_area == 0 && area > 0) ++report.triangles_without_uv_area;
@@ -76,4 +77,4 @@ void check_misses(const SetReport& report, const SourceBake& source, const BakeS
       mend);
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -2,16 +2,16 @@
 #pragma once
 
 #include "bake/bake.h"
-#include "bake/texel_coverage.h"
 #include "dataset/model/model.h"
+#include "dataset/surface/texel_coverage.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 struct SetTriangles;
 struct SourceBake;
 
-void report_geometry(const Model& model, const SetTriangles& triangles, const TexelCoverage& coverage,
-                     SetReport& report);
+void report_geometry(const Model& model, const SetTriangles& triangles,
+                     const surface::TexelCoverage& coverage, SetReport& report);
 
 /// Throws if more of the set's texels show two faces than `limits` allow: each would need its own texels.
 void check_overlaps(const SetReport& report, const BakeSource& limits);
@@ -19,4 +19,4 @@ void check_overlaps(const SetReport& report, const BakeSource& limits);
 /// Throws if more of the set's texels miss the source than `limits` allow.
 void check_misses(const SetReport& report, const SourceBake& source, const BakeSource& limits);
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -7,7 +7,7 @@
 
 #include "bake/bake.h"
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 /// A few texels for each triangle.
@@ -44,4 +44,4 @@ std::string mask_size_of(const ScanMaterial& material) {
   return fmt::format("{} x {} of {} x {}", mask.width_px, mask.height_px, colour.width_px, colour.height_px);
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -6,7 +6,7 @@
 
 #include "dataset/model/scan.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 struct MapSize {
   int width_px, height_px;
@@ -20,4 +20,4 @@ MapSize size_of_set(const ScanMaterial& material, size_t triangles, int wanted_p
 /// As SetReport::mask_size.
 std::string mask_size_of(const ScanMaterial& material);
 
-}  // namespace ohb
+}  // namespace ohb::bake

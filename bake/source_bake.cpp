@@ -8,12 +8,12 @@
 #include "bake/jobs.h"
 #include "bake/uv_charts.h"
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 /// A triangle of the low mesh as the pass wants it.
 struct LowTriangle {
-  TexelTriangle in_texels;
+  surface::TexelTriangle in_texels;
   Vec3f position[3], normal[3], tangent[3], offset[3];
   float sign[3];
   Vec3f across, up;  // cm that one texel to the right and one up make
@@ -22,9 +22,9 @@ struct LowTriangle {
 
 /// The derivatives of position by texel coordinates; 0 for triangles without UV area.
 void set_steps(LowTriangle& triangle) {
-  const TexelPoint* const c = triangle.in_texels.corner;
-  const TexelPoint a = c[1] - c[0], b = c[2] - c[0];
-  const double area = difference_of_products(a.x, b.y, a.y, b.x);
+  const surface::TexelPoint* const c = triangle.in_texels.corner;
+  const surface::TexelPoint a = c[1] - c[0], b = c[2] - c[0];
+  const double area = surface::difference_of_products(a.x, b.y, a.y, b.x);
   if (area == 0) return;
   const Vec3f ab = triangle.position[1] - triangle.position[0];
   const Vec3f ac = triangle.position[2] - triangle.position[0];
@@ -41,8 +41,8 @@ void limit_steps(LowTriangle& triangle, float most_cm) {
 
 class Pass {
  public:
-  Pass(const Model& low, const std::vector<uint32_t>& triangles, const std::vector<UvTriangle>& uvs,
-       const TexelCoverage& coverage, const SourceBake& bake)
+  Pass(const Model& low, const std::vector<uint32_t>& triangles, const std::vector<surface::UvTriangle>& uvs,
+       const surface::TexelCoverage& coverage, const SourceBake& bake)
       : coverage_(coverage), bake_(bake) {
     low_.reserve(triangles.size());
     const UvCharts charts = find_charts(low, triangles, uvs, coverage.width_px, coverage.height_px);
@@ -81,10 +81,10 @@ class Pass {
     }
   };
 
-  LowTriangle low_triangle(const Model& low, uint32_t index, const UvTriangle& uv) const {
+  LowTriangle low_triangle(const Model& low, uint32_t index, const surface::UvTriangle& uv) const {
     const ModelTriangle& from = low.triangles[index];
     LowTriangle triangle{
-        to_texel_space(uv, coverage_.width_px, coverage_.height_px), {}, {}, {}, {}, {}, {}, {}, {}};
+        surface::to_texel_space(uv, coverage_.width_px, coverage_.height_px), {}, {}, {}, {}, {}, {}, {}, {}};
     for (int c = 0; c < 3; ++c) {
       const uint32_t p = from.position[c];
       triangle.position[c] = low.positions_cm[p];
@@ -106,7 +106,7 @@ class Pass {
     for (int row = top; row < std::min(top + kTile_px, coverage_.height_px); ++row)
       for (int x = left; x < std::min(left + kTile_px, coverage_.width_px); ++x) {
         const uint32_t owner = coverage_.owner_of(x, row);
-        if (owner == TexelCoverage::kNone) continue;
+        if (owner == surface::TexelCoverage::kNone) continue;
         aim(low_[owner], x, row, packet, lanes[packet.count]);
         if (++packet.count == RayPacket::kSize) finish(packet, lanes);
       }
@@ -114,8 +114,8 @@ class Pass {
   }
 
   void aim(const LowTriangle& triangle, int x, int row, RayPacket& packet, Lane& lane) const {
-    const NearestPoint nearest =
-        nearest_point_of_texel(triangle.in_texels, coverage_.width_px, coverage_.height_px, x, row);
+    const surface::NearestPoint nearest =
+        surface::nearest_point_of_texel(triangle.in_texels, coverage_.width_px, coverage_.height_px, x, row);
     lane = {&triangle, {}, x, row};
     for (int c = 0; c < 3; ++c) lane.weights[c] = static_cast<float>(nearest.weights[c]);
     const Vec3f offset = lane.mean_of(triangle.offset);
@@ -152,7 +152,7 @@ class Pass {
     *maps_.height.pixel(x, row) = point.distance_cm;
   }
 
-  const TexelCoverage& coverage_;
+  const surface::TexelCoverage& coverage_;
   const SourceBake& bake_;
   std::vector<LowTriangle> low_;
   SourceMaps maps_;
@@ -172,9 +172,9 @@ Vec3f to_tangent_space(Vec3f direction, Vec3f tangent, Vec3f normal, float sign)
 }
 
 SourceMaps bake_from_source(const Model& low, const std::vector<uint32_t>& triangles,
-                            const std::vector<UvTriangle>& uvs, const TexelCoverage& coverage,
-                            const SourceBake& bake) {
+                            const std::vector<surface::UvTriangle>& uvs,
+                            const surface::TexelCoverage& coverage, const SourceBake& bake) {
   return Pass(low, triangles, uvs, coverage, bake).run();
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

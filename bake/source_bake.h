@@ -7,9 +7,9 @@
 #include "bake/canonical_mesh.h"
 #include "bake/seams.h"
 #include "bake/source_rays.h"
-#include "bake/texel_coverage.h"
+#include "dataset/surface/texel_coverage.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 /// What all sets of a bake from a source share.
 struct SourceBake {
@@ -35,7 +35,7 @@ Vec3f to_tangent_space(Vec3f direction, Vec3f tangent, Vec3f normal, float sign)
 
 /// `triangles`: indices into the model's, in the order of `coverage` and `uvs`. Any thread count, same bits.
 SourceMaps bake_from_source(const Model& low, const std::vector<uint32_t>& triangles,
-                            const std::vector<UvTriangle>& uvs, const TexelCoverage& coverage,
-                            const SourceBake& bake);
+                            const std::vector<surface::UvTriangle>& uvs,
+                            const surface::TexelCoverage& coverage, const SourceBake& bake);
 
-}  // namespace ohb
+}  // namespace ohb::bake

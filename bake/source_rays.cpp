@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 // As the renderer's: 32 units in the last place of the largest coordinate (5 micrometres on a human) clear
@@ -56,7 +56,7 @@ bool sees(const SourceSurface& source, Vec3f from, Vec3f to, float start) {
   if (!(distance > 2 * start)) return true;
   const Vec3f d = (to - from) / distance;
   RTCRay r{from.x, from.y, from.z, start, d.x, d.y, d.z, 0, distance - start, 0xffffffffu, 0, 0};
-  occluded_one(source.bvh(), r);
+  surface::occluded_one(source.bvh(), r);
   return r.tfar >= 0;
 }
 
@@ -100,13 +100,13 @@ class Passage {
       if (faces_outwards || t > kCoincidentStarts * start || layers_++ == kMostCoincident) return false;
     }
     passed_ = triangle;
-    t_near_ = beyond(t, t_near_);
+    t_near_ = surface::beyond(t, t_near_);
     return true;
   }
   float t_near() const { return t_near_; }
 
  private:
-  uint32_t passed_ = kNoTriangle;
+  uint32_t passed_ = surface::kNoTriangle;
   int layers_ = 0;
   float t_near_ = 0;
 };
@@ -127,7 +127,7 @@ void trace_eight(const SourceSurface& source, const RayPacket& packet, float sig
   }
   Passage passages[RayPacket::kSize];
   for (bool any = true; any;) {
-    intersect_eight(source.bvh(), valid, r, true);
+    surface::intersect_eight(source.bvh(), valid, r, true);
     any = false;
     for (int i = 0; i < packet.count; ++i) {
       if (!valid[i]) continue;
@@ -157,7 +157,7 @@ Way trace_one(const SourceSurface& source, Vec3f origin, Vec3f outwards, float s
     r.ray.tnear = passage.t_near(), r.ray.tfar = limit_cm + start, r.ray.time = 0;
     r.ray.mask = 0xffffffffu, r.ray.id = 0, r.ray.flags = 0;
     r.hit.geomID = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    intersect_one(source.bvh(), r);
+    surface::intersect_one(source.bvh(), r);
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) break;
     if (!passage.goes_on(source, r.hit.primID, {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, outwards, r.hit.u,
                          r.hit.v, r.ray.tfar, start, way))
@@ -193,4 +193,4 @@ SourcePoint find_source_of_one(const SourceSurface& source, Vec3f origin, Vec3f 
   return choose(source, outward, inward, origin, direction, std::max(outward_cm, inward_cm), start);
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -5,7 +5,7 @@
 
 #include "bake/source_surface.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 enum class RayResult : uint8_t {
   kNoFace,    // the texel shows no face of the low mesh
@@ -44,4 +44,4 @@ void find_source(const SourceSurface& source, const RayPacket& packet, SourcePoi
 SourcePoint find_source_of_one(const SourceSurface& source, Vec3f origin, Vec3f direction, float outward_cm,
                                float inward_cm);
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -10,10 +10,10 @@
 #include <string>
 
 #include "bake/jobs.h"
-#include "bake/texel_coverage.h"
 #include "dataset/model/error.h"
+#include "dataset/surface/texel_coverage.h"
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 void throw_embree_error(void*, RTCError code, const char* message) {
@@ -62,17 +62,20 @@ bool is_sliver(Vec3f a, Vec3f b, Vec3f c) {
 
 /// The pixels of a picture that the faces of a material show.
 std::vector<uint8_t> shown_pixels(const Model& mesh, uint16_t material, const Image& picture) {
-  std::vector<UvTriangle> uvs;
+  std::vector<surface::UvTriangle> uvs;
   for (const ModelTriangle& triangle : mesh.triangles) {
     if (triangle.set != material) continue;
-    const UvTriangle uv{{mesh.uvs[triangle.uv[0]], mesh.uvs[triangle.uv[1]], mesh.uvs[triangle.uv[2]]}};
+    const surface::UvTriangle uv{
+        {mesh.uvs[triangle.uv[0]], mesh.uvs[triangle.uv[1]], mesh.uvs[triangle.uv[2]]}};
     for (const Vec2f& corner : uv.uv)
-      if (!(std::fabs(corner.x) <= kMaxUvSpan / 2 && std::fabs(corner.y) <= kMaxUvSpan / 2)) return {};
+      if (!(std::fabs(corner.x) <= surface::kMaxUvSpan / 2 && std::fabs(corner.y) <= surface::kMaxUvSpan / 2))
+        return {};
     uvs.push_back(uv);
   }
-  const TexelCoverage coverage = cover_texels(uvs, picture.width_px, picture.height_px);
+  const surface::TexelCoverage coverage = surface::cover_texels(uvs, picture.width_px, picture.height_px);
   std::vector<uint8_t> is_shown(coverage.owner.size());
-  for (size_t i = 0; i < is_shown.size(); ++i) is_shown[i] = coverage.owner[i] != TexelCoverage::kNone;
+  for (size_t i = 0; i < is_shown.size(); ++i)
+    is_shown[i] = coverage.owner[i] != surface::TexelCoverage::kNone;
   return is_shown;
 }
 
@@ -98,7 +101,7 @@ constexpr float kLongestStretch = 8;
 }  // namespace
 
 SourceSurface::SourceSurface(const Scan& scan, double unit_cm, Vec3f shift_cm,
-                             const std::vector<GreenChannel>& green) {
+                             const std::vector<surface::GreenChannel>& green) {
   const Model mesh = mesh_of(scan, unit_cm, shift_cm);
   bounds_ = bounds_of(mesh.positions_cm);
   positions_ = mesh.positions_cm;
@@ -143,7 +146,7 @@ SourceSurface::~SourceSurface() {
 }
 
 void SourceSurface::read_materials(const Scan& scan, const Model& mesh,
-                                   const std::vector<GreenChannel>& green) {
+                                   const std::vector<surface::GreenChannel>& green) {
   const auto texture = [&](uint16_t m, Image picture) {
     picture_edge_px_ = std::max({picture_edge_px_, picture.width_px, picture.height_px});
     std::vector<uint8_t> is_shown = shown_pixels(mesh, m, picture);
@@ -153,13 +156,13 @@ void SourceSurface::read_materials(const Scan& scan, const Model& mesh,
   for (uint16_t m = 0; m < materials_.size(); ++m) {
     const ScanMaterial& from = scan.materials[m];
     materials_[m].from = from;
-    if (!from.diffuse.empty()) materials_[m].albedo = texture(m, read_colour_picture(from.diffuse));
-    if (!from.alpha.empty()) materials_[m].alpha = texture(m, read_alpha_picture(from));
+    if (!from.diffuse.empty()) materials_[m].albedo = texture(m, surface::read_colour_picture(from.diffuse));
+    if (!from.alpha.empty()) materials_[m].alpha = texture(m, surface::read_alpha_picture(from));
     has_alpha_ = has_alpha_ || !from.is_opaque();
     if (from.normal.empty()) continue;
     uint64_t zero_length = 0;
-    const bool is_down = !green.empty() && green[m] == GreenChannel::kDown;
-    materials_[m].normal = texture(m, read_normal_picture(from.normal, is_down, zero_length));
+    const bool is_down = !green.empty() && green[m] == surface::GreenChannel::kDown;
+    materials_[m].normal = texture(m, surface::read_normal_picture(from.normal, is_down, zero_length));
   }
 }
 
@@ -272,4 +275,4 @@ SourceSample SourceSurface::sample(uint32_t index, float u, float v, Vec3f acros
   return sample;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "bake/mip_texture.h"
-#include "bake/picture.h"
 #include "dataset/model/model.h"
 #include "dataset/model/scan.h"
 #include "dataset/model/tangent_frame.h"
-#include "renderer/embree_compat.h"
+#include "dataset/surface/embree_compat.h"
+#include "dataset/surface/picture.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 /// What shading needs of a triangle; 64 bytes.
 struct alignas(64) SourceTriangle {
@@ -38,7 +38,8 @@ class SourceSurface {
   /// Position in cm = source position x unit_cm + shift_cm. `green`: of each material's normal map; empty:
   /// up. Throws InputError for a picture that cannot be read, and (naming the face) for a face with a picture
   /// and without UVs.
-  SourceSurface(const Scan& scan, double unit_cm, Vec3f shift_cm, const std::vector<GreenChannel>& green);
+  SourceSurface(const Scan& scan, double unit_cm, Vec3f shift_cm,
+                const std::vector<surface::GreenChannel>& green);
   ~SourceSurface();
   SourceSurface(const SourceSurface&) = delete;
   SourceSurface& operator=(const SourceSurface&) = delete;
@@ -69,7 +70,7 @@ class SourceSurface {
   SourceSample sample(uint32_t triangle, float u, float v, Vec3f across, Vec3f up, Vec3f direction) const;
 
  private:
-  void read_materials(const Scan& scan, const Model& mesh, const std::vector<GreenChannel>& green);
+  void read_materials(const Scan& scan, const Model& mesh, const std::vector<surface::GreenChannel>& green);
   void set_triangles(const Model& mesh, const std::vector<Vec3f>& normals);
   void build_bvh();
 
@@ -86,4 +87,4 @@ class SourceSurface {
   RTCScene bvh_ = nullptr;
 };
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -9,15 +9,15 @@
 #include <cmath>
 
 #include "bake/jobs.h"
-#include "bake/padding.h"
-#include "bake/picture.h"
 #include "bake/seam_agree.h"
 #include "bake/set_report.h"
 #include "bake/set_size.h"
 #include "bake/uv_charts.h"
-#include "bake/vertex_colours.h"
+#include "dataset/surface/padding.h"
+#include "dataset/surface/picture.h"
+#include "dataset/surface/vertex_colours.h"
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 SetTriangles triangles_of(const CanonicalMesh& mesh, uint16_t set) {
@@ -35,9 +35,10 @@ SetTriangles triangles_of(const CanonicalMesh& mesh, uint16_t set) {
   return triangles;
 }
 
-std::vector<uint8_t> covered_texels(const TexelCoverage& coverage) {
+std::vector<uint8_t> covered_texels(const surface::TexelCoverage& coverage) {
   std::vector<uint8_t> is_covered(coverage.owner.size());
-  for (size_t i = 0; i < is_covered.size(); ++i) is_covered[i] = coverage.owner[i] != TexelCoverage::kNone;
+  for (size_t i = 0; i < is_covered.size(); ++i)
+    is_covered[i] = coverage.owner[i] != surface::TexelCoverage::kNone;
   return is_covered;
 }
 
@@ -46,16 +47,17 @@ constexpr float kClearWeight = 1e-8f;
 
 /// Which pixels of a picture count where the map has fewer texels: those that faces show, as far as they
 /// are opaque. A picture's background then never mixes into its charts.
-ResampleWeights weights_for(const Image& picture, MapSize size, const SetTriangles& triangles,
-                            const Image* alpha) {
-  ResampleWeights weights;
+surface::ResampleWeights weights_for(const Image& picture, MapSize size, const SetTriangles& triangles,
+                                     const Image* alpha) {
+  surface::ResampleWeights weights;
   if (picture.width_px <= size.width_px && picture.height_px <= size.height_px) return weights;
-  const TexelCoverage shown = cover_texels(triangles.uvs, picture.width_px, picture.height_px);
+  const surface::TexelCoverage shown =
+      surface::cover_texels(triangles.uvs, picture.width_px, picture.height_px);
   weights.pixel_weights = Image(picture.width_px, picture.height_px, 1);
   const bool use_alpha =
       alpha && alpha->width_px == picture.width_px && alpha->height_px == picture.height_px;
   for (size_t i = 0; i < shown.owner.size(); ++i)
-    weights.pixel_weights.values[i] = shown.owner[i] == TexelCoverage::kNone ? 0.0f
+    weights.pixel_weights.values[i] = shown.owner[i] == surface::TexelCoverage::kNone ? 0.0f
                                       : use_alpha ? std::max(alpha->values[i], kClearWeight)
                                                   : 1.0f;
   return weights;
@@ -87,7 +89,7 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
       scan_(scan),
       table_(table),
       material_(scan.materials[mesh.material_of_set[set]]),
-      green_(options.green.empty() ? GreenChannel::kUp : options.green[mesh.material_of_set[set]]),
+      green_(options.green.empty() ? surface::GreenChannel::kUp : options.green[mesh.material_of_set[set]]),
       class_weights_(options.class_weights.empty() ? std::filesystem::path()
                                                    : options.class_weights[mesh.material_of_set[set]]),
       report_(report),
@@ -100,12 +102,13 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
   report.mask_size = mask_size_of(material_);
   const MapSize size = size_of_set(material_, triangles_.index.size(), options.size_px,
                                    source ? source->surface->picture_edge_px() : 0);
-  coverage_ = cover_texels(triangles_.uvs, size.width_px, size.height_px);
+  coverage_ = surface::cover_texels(triangles_.uvs, size.width_px, size.height_px);
   report_geometry(mesh.model, triangles_, coverage_, report);
   has_class_ = covered_texels(coverage_);
   has_value_ = has_class_;
   is_inside_.resize(coverage_.flags.size());
-  for (size_t i = 0; i < is_inside_.size(); ++i) is_inside_[i] = coverage_.flags[i] & TexelCoverage::kCentre;
+  for (size_t i = 0; i < is_inside_.size(); ++i)
+    is_inside_[i] = coverage_.flags[i] & surface::TexelCoverage::kCentre;
   const UvCharts charts = find_charts(mesh.model, triangles_.index, triangles_.uvs, width_px(), height_px());
   seams_ = find_seams(mesh.model, triangles_with_seams(charts, triangles_.index, triangles_.uvs, coverage_),
                       &frames);
@@ -172,18 +175,18 @@ Image SetBake::albedo() {
   if (material_.diffuse.empty()) {
     albedo = constant_image(size, factor);
   } else {
-    Image diffuse = read_colour_picture(material_.diffuse);
+    Image diffuse = surface::read_colour_picture(material_.diffuse);
     Image alpha;
-    if (!material_.alpha.empty()) alpha = read_alpha_picture(material_);
+    if (!material_.alpha.empty()) alpha = surface::read_alpha_picture(material_);
     if (material_.alpha_cutoff)
       for (float& value : alpha.values) value = material_.opacity_of(value);
-    const ResampleWeights weights = weights_for(diffuse, size, triangles_, &alpha);
-    albedo = resample(std::move(diffuse), size.width_px, size.height_px, weights);
+    const surface::ResampleWeights weights = weights_for(diffuse, size, triangles_, &alpha);
+    albedo = surface::resample(std::move(diffuse), size.width_px, size.height_px, weights);
     if (factor.x != 1 || factor.y != 1 || factor.z != 1)
       for (size_t i = 0; i < albedo.values.size(); ++i) albedo.values[i] *= factor[static_cast<int>(i % 3)];
   }
   if (material_.has_vertex_colours)
-    multiply_vertex_colours(scan_, triangles_.corners, triangles_.uvs, coverage_, albedo);
+    surface::multiply_vertex_colours(scan_, triangles_.corners, triangles_.uvs, coverage_, albedo);
   return albedo;
 }
 
@@ -195,12 +198,12 @@ Image SetBake::alpha() {
   if (material_.alpha.empty()) {
     std::fill(alpha.values.begin(), alpha.values.end(), 1.0f);
   } else {
-    Image picture = read_alpha_picture(material_);
-    const ResampleWeights weights = weights_for(picture, size, triangles_, nullptr);
-    alpha = resample(std::move(picture), size.width_px, size.height_px, weights);
+    Image picture = surface::read_alpha_picture(material_);
+    const surface::ResampleWeights weights = weights_for(picture, size, triangles_, nullptr);
+    alpha = surface::resample(std::move(picture), size.width_px, size.height_px, weights);
   }
   if (material_.has_vertex_alpha)
-    multiply_vertex_colours(scan_, triangles_.corners, triangles_.uvs, coverage_, alpha);
+    surface::multiply_vertex_colours(scan_, triangles_.corners, triangles_.uvs, coverage_, alpha);
   for (float& value : alpha.values) value = material_.opacity_of(value);
   return alpha;
 }
@@ -209,15 +212,15 @@ Image SetBake::normal() {
   if (from_source_) return std::move(source_.normal);
   if (material_.normal.empty()) return {};
   report_.normal = material_.normal.file.filename().string();
-  report_.normal_green = green_ == GreenChannel::kUp     ? "up"
-                         : green_ == GreenChannel::kDown ? "down"
-                                                         : "unclear";
+  report_.normal_green = green_ == surface::GreenChannel::kUp     ? "up"
+                         : green_ == surface::GreenChannel::kDown ? "down"
+                                                                  : "unclear";
   const MapSize size{width_px(), height_px()};
-  Image normal =
-      read_normal_picture(material_.normal, green_ == GreenChannel::kDown, report_.zero_length_normals);
-  const ResampleWeights weights = weights_for(normal, size, triangles_, nullptr);
-  normal = resample(std::move(normal), size.width_px, size.height_px, weights);
-  normalise_pixels(normal);
+  Image normal = surface::read_normal_picture(material_.normal, green_ == surface::GreenChannel::kDown,
+                                              report_.zero_length_normals);
+  const surface::ResampleWeights weights = weights_for(normal, size, triangles_, nullptr);
+  normal = surface::resample(std::move(normal), size.width_px, size.height_px, weights);
+  surface::normalise_pixels(normal);
   return normal;
 }
 
@@ -228,10 +231,10 @@ Image SetBake::displacement() {
   tbb::parallel_for(0, height, [&](int y) {
     for (int x = 0; x < width; ++x) {
       const uint32_t owner = coverage_.owner_of(x, y);
-      if (owner == TexelCoverage::kNone) continue;
+      if (owner == surface::TexelCoverage::kNone) continue;
       const ModelTriangle& triangle = mesh_.model.triangles[triangles_.index[owner]];
-      const TexelTriangle in_texels = to_texel_space(triangles_.uvs[owner], width, height);
-      const NearestPoint point = nearest_point_of_texel(in_texels, width, height, x, y);
+      const surface::TexelTriangle in_texels = surface::to_texel_space(triangles_.uvs[owner], width, height);
+      const surface::NearestPoint point = surface::nearest_point_of_texel(in_texels, width, height, x, y);
       double z = 0;
       for (int c = 0; c < 3; ++c) z += point.weights[c] * mesh_.model.positions_cm[triangle.position[c]].z;
       *map.pixel(x, y) = static_cast<float>(z);
@@ -249,9 +252,9 @@ ByteImage SetBake::valid() const {
 void SetBake::fill_background(Image& image, const std::vector<uint8_t>& is_covered, bool is_normals) const {
   const std::vector<uint8_t> covered = band_ ? band_->fill(image, is_covered, is_normals) : is_covered;
   if (is_normals)
-    pad_normals(image, covered);
+    surface::pad_normals(image, covered);
   else
-    pad(image, covered);
+    surface::pad(image, covered);
 }
 
 void SetBake::finish_seams(Image& image, const char* map, MapValues values) {
@@ -309,9 +312,9 @@ std::vector<Image> SetBake::mips_of(const Image& map, const MapKind& kind) {
     const int width = std::max(1, finer->width_px / 2), height = std::max(1, finer->height_px / 2);
     const int level = static_cast<int>(mips.size()) + 1;
     is_inside = any_of_blocks(is_inside, finer->width_px, finer->height_px);
-    plain = resample(*finer, width, height);
+    plain = surface::resample(*finer, width, height);
     mips.push_back(plain);
-    if (is_normals) normalise_pixels(mips.back());
+    if (is_normals) surface::normalise_pixels(mips.back());
     if (!is_mended || level >= kSeamLevels) continue;
     mend_level(mips.back(), seams_, is_inside, values);
     errors.push_back(seam_errors(mips.back(), seams_, values, 1).front());
@@ -369,7 +372,7 @@ ByteImage SetBake::debug() const {
       if (source_.results[i] == RayResult::kMissed) colour = {kFull, 0, 0};
       if (source_.results[i] == RayResult::kBackFace) colour = {kFull, 0, kFull};
     }
-    if ((coverage_.flags[i] & TexelCoverage::kOverlapping)) colour = {kFull, kFull, 0};
+    if ((coverage_.flags[i] & surface::TexelCoverage::kOverlapping)) colour = {kFull, kFull, 0};
     std::copy(colour.begin(), colour.end(), &map.values[3 * i]);
   });
   return map;
@@ -381,8 +384,8 @@ Image SetBake::take_height() {
 
 Image SetBake::take_object_normal() {
   Image normals = std::move(source_.object_normal);
-  if (!normals.values.empty()) pad_normals(normals, has_value_);
+  if (!normals.values.empty()) surface::pad_normals(normals, has_value_);
   return normals;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

@@ -11,15 +11,15 @@
 #include "bake/seam_fill.h"
 #include "bake/seam_mend.h"
 #include "bake/source_bake.h"
-#include "bake/texel_coverage.h"
 #include "dataset/model/model_files.h"
+#include "dataset/surface/texel_coverage.h"
 
-namespace ohb {
+namespace ohb::bake {
 
 /// The triangles of one set, and their UVs in the same order.
 struct SetTriangles {
   std::vector<uint32_t> index;  // into Model::triangles
-  std::vector<UvTriangle> uvs;
+  std::vector<surface::UvTriangle> uvs;
   std::vector<std::array<uint32_t, 3>> corners;  // into Scan::corners
 };
 
@@ -71,12 +71,12 @@ class SetBake {
   const Scan& scan_;
   const MaterialTable& table_;
   const ScanMaterial& material_;
-  GreenChannel green_;
+  surface::GreenChannel green_;
   std::filesystem::path class_weights_;  // empty: hard borders
   SetReport& report_;
   std::mutex report_mutex_;
   SetTriangles triangles_;
-  TexelCoverage coverage_;
+  surface::TexelCoverage coverage_;
   std::vector<uint8_t> has_class_,
       has_value_;                   // of each texel: a face; a face and, with a source, a point of it
   std::vector<uint8_t> is_inside_;  // of each texel: its centre lies in a triangle
@@ -89,4 +89,4 @@ class SetBake {
   SourceMaps source_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::bake

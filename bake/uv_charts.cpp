@@ -6,7 +6,7 @@
 #include <numeric>
 #include <unordered_map>
 
-namespace ohb {
+namespace ohb::bake {
 namespace {
 
 uint64_t bits_of(Vec2f uv) {
@@ -23,7 +23,7 @@ uint32_t root_of(std::vector<uint32_t>& parent, uint32_t i) {
 }
 
 /// The smallest triangle of each one's group.
-std::vector<uint32_t> group_by_uv(const std::vector<UvTriangle>& uvs) {
+std::vector<uint32_t> group_by_uv(const std::vector<surface::UvTriangle>& uvs) {
   std::vector<uint32_t> parent(uvs.size());
   std::iota(parent.begin(), parent.end(), 0u);
   std::unordered_map<uint64_t, uint32_t> first_at;
@@ -52,8 +52,8 @@ struct Box {
 };
 
 /// Whether a texel inside the triangle shows another one that lies over it.
-bool is_under_another(uint32_t t, const UvTriangle& uv, const TexelCoverage& coverage) {
-  const TexelTriangle in_texels = to_texel_space(uv, coverage.width_px, coverage.height_px);
+bool is_under_another(uint32_t t, const surface::UvTriangle& uv, const surface::TexelCoverage& coverage) {
+  const surface::TexelTriangle in_texels = surface::to_texel_space(uv, coverage.width_px, coverage.height_px);
   constexpr double kInside = 0.8;
   const double weights[4][3] = {{1.0 / 3, 1.0 / 3, 1.0 / 3},
                                 {kInside / 2, kInside / 2, 1 - kInside},
@@ -72,7 +72,8 @@ bool is_under_another(uint32_t t, const UvTriangle& uv, const TexelCoverage& cov
     const int column = wrap(x, coverage.width_px);
     const int row = coverage.height_px - 1 - wrap(y, coverage.height_px);
     const size_t texel = static_cast<size_t>(row) * coverage.width_px + column;
-    if ((coverage.flags[texel] & TexelCoverage::kOverlapping) && coverage.owner[texel] != t) return true;
+    if ((coverage.flags[texel] & surface::TexelCoverage::kOverlapping) && coverage.owner[texel] != t)
+      return true;
   }
   return false;
 }
@@ -80,7 +81,7 @@ bool is_under_another(uint32_t t, const UvTriangle& uv, const TexelCoverage& cov
 }  // namespace
 
 UvCharts find_charts(const Model& model, const std::vector<uint32_t>& triangles,
-                     const std::vector<UvTriangle>& uvs, int width_px, int height_px) {
+                     const std::vector<surface::UvTriangle>& uvs, int width_px, int height_px) {
   constexpr uint32_t kNone = 0xffffffffu;
   UvCharts charts;
   charts.chart_of = group_by_uv(uvs);
@@ -103,18 +104,18 @@ UvCharts find_charts(const Model& model, const std::vector<uint32_t>& triangles,
 }
 
 std::vector<uint32_t> triangles_with_seams(const UvCharts& charts, const std::vector<uint32_t>& triangles,
-                                           const std::vector<UvTriangle>& uvs,
-                                           const TexelCoverage& coverage) {
+                                           const std::vector<surface::UvTriangle>& uvs,
+                                           const surface::TexelCoverage& coverage) {
   constexpr double kLeast_texels = 2;
   std::vector<uint32_t> kept;
   for (uint32_t t = 0; t < triangles.size(); ++t) {
     const UvChart& chart = charts.charts[charts.chart_of[t]];
     if (chart.width_texels < kLeast_texels || chart.height_texels < kLeast_texels) continue;
-    if (to_texel_space(uvs[t], coverage.width_px, coverage.height_px).is_degenerate) continue;
+    if (surface::to_texel_space(uvs[t], coverage.width_px, coverage.height_px).is_degenerate) continue;
     if (coverage.overlapping_texels > 0 && is_under_another(t, uvs[t], coverage)) continue;
     kept.push_back(triangles[t]);
   }
   return kept;
 }
 
-}  // namespace ohb
+}  // namespace ohb::bake

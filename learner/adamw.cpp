@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace ohb {
+namespace ohb::learner {
 
 AdamW::AdamW(const torch::nn::Module& module, Options options) : options_(options) {
   for (const auto& item : module.named_parameters())
@@ -41,4 +41,4 @@ double AdamW::clip_gradients(double limit) {
   return norm;
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

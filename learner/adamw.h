@@ -7,7 +7,7 @@
 
 #include "learner/torch.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 class AdamW {
  public:
@@ -37,4 +37,4 @@ class AdamW {
   std::vector<State> states_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -7,7 +7,7 @@
 
 #include "learner/torch.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace {
 
 constexpr int64_t kEdge = 512;
@@ -38,4 +38,4 @@ void warn_of_slow_blas() {
         gflops);
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -7,7 +7,7 @@
 #include "dataset/model/json_text.h"
 #include "learner/safetensors.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace fs = std::filesystem;
 namespace {
 
@@ -158,4 +158,4 @@ LoadedNetwork load_network(const fs::path& file_or_run) {
   return loaded;
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -9,7 +9,7 @@
 #include "learner/adamw.h"
 #include "learner/task.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 /// RUN/step_<kkkkkkkk>.safetensors holds model.<parameter>, adam.first.<parameter>, adam.second.<parameter>
 /// in float32; metadata "humanmaterial" is the header as JSON text. RUN/weights.safetensors, written at the
@@ -48,4 +48,4 @@ struct LoadedNetwork {
 /// else its weights). Throws InputError as load_checkpoint.
 LoadedNetwork load_network(const std::filesystem::path& file_or_run);
 
-}  // namespace ohb
+}  // namespace ohb::learner

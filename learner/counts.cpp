@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace ohb {
+namespace ohb::learner {
 namespace {
 
 // The callback has no other way to its caller; counting is per thread.
@@ -65,4 +65,4 @@ int64_t multiplies_at(const std::function<void(int64_t)>& forward, int64_t size_
   return std::llround(a * p + b * p * p);
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

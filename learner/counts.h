@@ -6,7 +6,7 @@
 
 #include "learner/torch.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 int64_t parameter_count(const torch::nn::Module& module);
 
@@ -18,4 +18,4 @@ int64_t count_multiplies(const std::function<void()>& forward);
 /// b P^2 for P pixels, so that runs at 32 and 64 tell every size exactly. `forward` runs at the given size.
 int64_t multiplies_at(const std::function<void(int64_t size_px)>& forward, int64_t size_px);
 
-}  // namespace ohb
+}  // namespace ohb::learner

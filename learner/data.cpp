@@ -8,7 +8,7 @@
 #include "dataset/model/error.h"
 #include "learner/hash.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace fs = std::filesystem;
 namespace {
 
@@ -209,4 +209,4 @@ torch::Tensor network_input(const torch::Tensor& srgb, const torch::Tensor& mask
   return torch::cat({srgb, mask}, 1) * 2 - 1;
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -11,7 +11,7 @@
 #include "dataset/model/sample.h"
 #include "learner/maps.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 struct Person {
   std::string name;                          // ohb:human of the samples
@@ -81,4 +81,4 @@ Camera camera_of(const Sample& sample, const std::filesystem::path& file);
 /// (B, 1, H, W): 2 x - 1 of both.
 torch::Tensor network_input(const torch::Tensor& srgb, const torch::Tensor& mask);
 
-}  // namespace ohb
+}  // namespace ohb::learner

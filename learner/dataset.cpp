@@ -9,7 +9,7 @@
 #include "dataset/model/sample_listing.h"
 #include "learner/data.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace fs = std::filesystem;
 namespace {
 
@@ -131,4 +131,4 @@ std::vector<fs::path> views_of(const Dataset& dataset, const std::vector<std::st
   return views;
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -9,7 +9,7 @@
 #include "dataset/model/error.h"
 #include "dataset/model/json_text.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace fs = std::filesystem;
 namespace {
 
@@ -155,4 +155,4 @@ EstimateReport estimate(const EstimateOptions& options) {
   return report;
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

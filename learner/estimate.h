@@ -8,7 +8,7 @@
 #include "learner/estimator.h"
 #include "learner/photo.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 struct EstimateOptions {
   std::filesystem::path photo;
@@ -32,4 +32,4 @@ struct EstimateReport {
 /// Throws InputError: photo, mask or weights as their readers say; an output that this program did not write.
 EstimateReport estimate(const EstimateOptions& options);
 
-}  // namespace ohb
+}  // namespace ohb::learner

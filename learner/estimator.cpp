@@ -2,7 +2,7 @@
 
 #include "dataset/model/error.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 Estimator::Estimator(const std::vector<std::filesystem::path>& files_or_runs, PriorsNeeded needed) {
   std::vector<std::filesystem::path> priors;
@@ -31,4 +31,4 @@ MaterialMaps Estimator::estimate(const torch::Tensor& input) const {
   return maps_of(Task::kFinetune, finetune_->forward(input, priors_->estimate(input)), {});
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -7,7 +7,7 @@
 
 #include "learner/train.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 class Estimator {
  public:
@@ -37,4 +37,4 @@ class Estimator {
   size_t main_ = 0;
 };
 
-}  // namespace ohb
+}  // namespace ohb::learner

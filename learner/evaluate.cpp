@@ -13,7 +13,7 @@
 #include "learner/data.h"
 #include "learner/estimator.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace fs = std::filesystem;
 namespace {
 
@@ -265,4 +265,4 @@ nlohmann::json json_of(const EvaluationReport& report) {
   return json;
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

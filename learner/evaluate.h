@@ -11,7 +11,7 @@
 #include "learner/metrics.h"
 #include "learner/relit_scores.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 struct EvaluateOptions {
   std::vector<std::filesystem::path>
@@ -59,4 +59,4 @@ EvaluationReport evaluate(const EvaluateOptions& options);
 std::string table_of(const EvaluationReport& report);
 nlohmann::json json_of(const EvaluationReport& report);
 
-}  // namespace ohb
+}  // namespace ohb::learner

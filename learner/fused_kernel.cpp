@@ -5,7 +5,7 @@
 
 #include "dataset/model/colour.h"
 
-namespace ohb::shading {
+namespace ohb::learner::shading {
 namespace {
 
 constexpr double kMinLength = 1e-4;
@@ -219,4 +219,4 @@ double loss_of_pixels(const Job<T>& job, const std::vector<int32_t>& pixels, int
 template double loss_of_pixels<float>(const Job<float>&, const std::vector<int32_t>&, int);
 template double loss_of_pixels<double>(const Job<double>&, const std::vector<int32_t>&, int);
 
-}  // namespace ohb::shading
+}  // namespace ohb::learner::shading

@@ -8,7 +8,7 @@
 
 #include "learner/shading.h"
 
-namespace ohb::shading {
+namespace ohb::learner::shading {
 
 /// How the map value S gives the linear reflectance at normal incidence F0.
 enum class SpecularEncoding {
@@ -58,4 +58,4 @@ constexpr int kBlock = 128;
 template <typename T>
 double loss_of_pixels(const Job<T>& job, const std::vector<int32_t>& pixels, int threads);
 
-}  // namespace ohb::shading
+}  // namespace ohb::learner::shading

@@ -9,7 +9,7 @@
 
 #include "learner/hash.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace {
 
 using torch::Tensor;
@@ -164,4 +164,4 @@ Tensor fused_rendering_loss(const MaterialMaps& prediction, const MaterialMaps& 
                           prediction.sss, prediction.displacement, truth, mask, Setting{lights, options});
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -9,7 +9,7 @@
 #include "learner/fused_kernel.h"
 #include "learner/maps.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 /// 36 fixed lights of intensity 5.5, 2 away from the origin, at 5, 15, ..., 175 degrees in the XOZ and YOZ
 /// planes (all on the viewer's side), and one at a place on the positive hemisphere of the same radius with
@@ -29,4 +29,4 @@ torch::Tensor fused_rendering_loss(const MaterialMaps& prediction, const Materia
                                    const std::vector<shading::Light<double>>& lights,
                                    const shading::Options& options = {});
 
-}  // namespace ohb
+}  // namespace ohb::learner

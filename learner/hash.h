@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <initializer_list>
 
-namespace ohb {
+namespace ohb::learner {
 
 /// SplitMix64's finaliser (Steele, Lea and Flood 2014): a bijection that scatters every bit.
 inline uint64_t mixed(uint64_t x) {
@@ -26,4 +26,4 @@ inline double uniform_of(uint64_t key, uint64_t index) {
   return static_cast<double>(mixed(key ^ mixed(index)) >> 11) * 0x1.0p-53;
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -7,7 +7,7 @@
 #include "dataset/model/error.h"
 #include "learner/hash.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace {
 
 enum Purpose : uint64_t { kOrder = 1, kLight = 2 };
@@ -76,4 +76,4 @@ Example Loader::next() {
   return std::move(result.example);
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -12,7 +12,7 @@
 
 #include "learner/data.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 /// Where the example at a position of the endless sequence comes from. Each epoch is a permutation of the
 /// views, a function of seed and epoch; the light is a function of seed and position.
@@ -60,4 +60,4 @@ class Loader {
   std::vector<std::thread> workers_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -3,7 +3,7 @@
 
 #include "learner/torch.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 /// Batches of maps, each (B, C, H, W), float32 (or float64 in tests), contiguous. Values where the mask is 0
 /// mean nothing.
@@ -16,4 +16,4 @@ struct MaterialMaps {
   torch::Tensor displacement;  // C = 1, in halves of the frame's width, positive to the viewer
 };
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -8,7 +8,7 @@
 #include "learner/oracle.h"
 #include "learner/task.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace {
 
 using torch::Tensor;
@@ -61,4 +61,4 @@ MaterialMaps eight_bit(const MaterialMaps& maps) {
   return maps_of(Task::kFinetune, codes, maps);
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

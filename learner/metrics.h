@@ -7,7 +7,7 @@
 
 #include "learner/maps.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 /// Columns of the paper's tables: normal, diffuse, roughness, specular, subsurface, displacement, and the
 /// picture relit by the fixed point light.
@@ -64,4 +64,4 @@ nlohmann::json json_number(double value);
 /// Every value rounded to 8 bits in its encoding: what storing the truth in 8-bit PNG costs.
 MaterialMaps eight_bit(const MaterialMaps& maps);
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace ohb {
+namespace ohb::learner {
 namespace {
 
 using torch::Tensor;
@@ -233,4 +233,4 @@ Tensor FinetuneNetImpl::forward(Tensor input, Tensor maps) {
   return torch::cat(outputs, 1);
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -14,7 +14,7 @@
 
 #include "learner/torch.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 /// Height and width of every input must be multiples of this.
 constexpr int64_t kResolutionStep = 16;
@@ -113,4 +113,4 @@ struct FinetuneNetImpl : torch::nn::Module {
 };
 TORCH_MODULE(FinetuneNet);
 
-}  // namespace ohb
+}  // namespace ohb::learner

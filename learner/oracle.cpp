@@ -1,6 +1,6 @@
 #include "learner/oracle.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace {
 
 using shading::kMinCosine;
@@ -116,4 +116,4 @@ Tensor oracle_rendering_loss(const MaterialMaps& prediction, const MaterialMaps&
   return counted.sum() / static_cast<double>(count * 3 * static_cast<int64_t>(lights.size()));
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

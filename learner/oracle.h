@@ -8,7 +8,7 @@
 #include "learner/fused_kernel.h"
 #include "learner/maps.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 /// Radiance towards the viewer, linear, (B, L, 3, H, W): every pixel by every light, background included
 /// (whatever the maps hold there).
@@ -27,4 +27,4 @@ torch::Tensor unit_normals(const torch::Tensor& v);
 /// Linear F0 of the map values S.
 torch::Tensor f0_map(const torch::Tensor& specular, shading::SpecularEncoding encoding);
 
-}  // namespace ohb
+}  // namespace ohb::learner

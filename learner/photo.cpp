@@ -8,7 +8,7 @@
 #include "dataset/model/image_place.h"
 #include "learner/data.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace fs = std::filesystem;
 namespace {
 
@@ -198,4 +198,4 @@ Foreground foreground_of(const Photo& photo, const Image& mask, const Crop& crop
   return {network_input(srgb, coverage), coverage};
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -7,7 +7,7 @@
 #include "dataset/model/image.h"
 #include "learner/torch.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 /// An upright picture in colour.
 struct Photo {
@@ -43,4 +43,4 @@ struct Foreground {
 /// Area-averaged (or bilinearly enlarged) in linear light, premultiplied; beyond the photo the mask is 0.
 Foreground foreground_of(const Photo& photo, const Image& mask, const Crop& crop, int size_px);
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -5,7 +5,7 @@
 
 #include "learner/hash.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace {
 
 using torch::Tensor;
@@ -60,4 +60,4 @@ void recolour(Example& e, uint64_t key) {
   e.input = torch::cat({encoded(light.clamp(0, 1)) * 2 - 1, e.input.slice(1, 3, 4)}, 1);
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

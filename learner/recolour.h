@@ -6,7 +6,7 @@
 
 #include "learner/data.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 /// Another albedo under the same light, in place: `e.truth.diffuse` and the colours of `e.input` are
 /// multiplied by the same factors, in linear light; all other maps stay.
@@ -19,4 +19,4 @@ namespace ohb {
 /// A function of e and key; e is a batch of one.
 void recolour(Example& e, uint64_t key);
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -6,7 +6,7 @@
 
 #include "dataset/model/regions.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace {
 
 using torch::Tensor;
@@ -200,4 +200,4 @@ Model relief_of(const MaterialMaps& maps, const Tensor& mask, const Camera& came
   return model;
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

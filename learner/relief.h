@@ -5,7 +5,7 @@
 #include "dataset/model/model.h"
 #include "learner/maps.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 /// Neighbouring pixels that differ by more are not joined, as in the Blender add-on (services/grid.py).
 constexpr float kDepthJump_cm = 5;
@@ -24,4 +24,4 @@ Model relief_of(const MaterialMaps& maps, const torch::Tensor& mask, const Camer
 /// (1, 1, N, N) of bool: pixels of which something is covered and every map is finite.
 torch::Tensor known_pixels(const MaterialMaps& maps, const torch::Tensor& mask);
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -19,7 +19,7 @@
 #include "dataset/model/progress.h"
 #include "dataset/model/temporary.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace fs = std::filesystem;
 namespace {
 
@@ -188,4 +188,4 @@ nlohmann::json relight(const RelightOptions& options) {
   return report;
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace ohb {
+namespace ohb::learner {
 
 /// What relight.py's arguments of these names mean; texts are passed on as they are.
 struct RelightOptions {
@@ -34,4 +34,4 @@ struct RelightOptions {
 /// Blender itself fails with, its last lines go to stderr.
 nlohmann::json relight(const RelightOptions& options);
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -11,7 +11,7 @@
 #include "learner/relief.h"
 #include "learner/task.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace fs = std::filesystem;
 namespace {
 
@@ -46,7 +46,7 @@ Tensor tensor_of(const Image& image) {
 
 /// Bounding box of the covered pixels of (1, 1, N, N); the empty box, which stands for all, if there are
 /// none.
-PixelBox box_of(const Tensor& mask) {
+renderer::PixelBox box_of(const Tensor& mask) {
   const Tensor covered = (mask[0][0] > 0).nonzero();  // rows of (y, x)
   if (covered.size(0) == 0) return {};
   const Tensor low = std::get<0>(covered.min(0)), high = std::get<0>(covered.max(0));
@@ -56,15 +56,15 @@ PixelBox box_of(const Tensor& mask) {
 }  // namespace
 
 std::vector<Tensor> relit(const MaterialMaps& maps, const Tensor& mask, const Camera& camera,
-                          float half_frame_cm, const LightSet& lights, int spp) {
-  RenderSettings settings;
+                          float half_frame_cm, const renderer::LightSet& lights, int spp) {
+  renderer::RenderSettings settings;
   settings.size_px = static_cast<int>(mask.size(3));
   settings.spp = spp;
   settings.seed = kSeed;
   settings.subsurface = false;  // an open sheet has no inside: walks would leave through its missing back
   settings.crop = box_of(mask);
-  const auto scene = build_scene(relief_of(maps, mask, camera, half_frame_cm));
-  const auto images = render_lights(*scene, lights, camera, 0, settings);
+  const auto scene = renderer::build_scene(relief_of(maps, mask, camera, half_frame_cm));
+  const auto images = renderer::render_lights(*scene, lights, camera, 0, settings);
   const Tensor unknown = (mask > 0) & ~known_pixels(maps, mask);
   std::vector<Tensor> pictures;
   for (const SampleLight& image : images)
@@ -75,7 +75,7 @@ std::vector<Tensor> relit(const MaterialMaps& maps, const Tensor& mask, const Ca
 RelitScores::RelitScores(const RelitOptions& options) : options_(options) {
   const std::vector<Environment> environments = environments_of(options);
   for (const Environment& environment : environments) names_.push_back(environment.name);
-  lights_ = prepare_lights(environments, {});
+  lights_ = renderer::prepare_lights(environments, {});
 }
 
 std::vector<Tensor> RelitScores::timed_relit(const MaterialMaps& maps) {
@@ -177,4 +177,4 @@ nlohmann::json json_of(const RelitReport& report) {
   return json;
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -12,7 +12,7 @@
 #include "learner/metrics.h"
 #include "renderer/render.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 struct RelitOptions {
   std::vector<std::filesystem::path> environments;  // latitude-longitude; empty: our studio and sunset
@@ -37,7 +37,7 @@ struct RelitReport {
 /// Pictures of maps under each light, (1, 3, N, N), sRGB-encoded and clipped to [0, 1], not multiplied by the
 /// mask. NaN in covered pixels of which a map is not finite; black where nothing is covered.
 std::vector<torch::Tensor> relit(const MaterialMaps& maps, const torch::Tensor& mask, const Camera& camera,
-                                 float half_frame_cm, const LightSet& lights, int spp);
+                                 float half_frame_cm, const renderer::LightSet& lights, int spp);
 
 class RelitScores {
  public:
@@ -61,7 +61,7 @@ class RelitScores {
 
   RelitOptions options_;
   std::vector<std::string> names_;
-  std::shared_ptr<const LightSet> lights_;
+  std::shared_ptr<const renderer::LightSet> lights_;
   std::string person_;
   torch::Tensor mask_;
   Camera camera_;
@@ -80,4 +80,4 @@ std::map<std::filesystem::path, uint64_t> relit_views(const Dataset& dataset,
 std::string table_of(const RelitReport& report);
 nlohmann::json json_of(const RelitReport& report);
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -7,7 +7,7 @@
 #include "dataset/model/error.h"
 #include "dataset/model/json_text.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace fs = std::filesystem;
 using nlohmann::json;
 namespace {
@@ -79,4 +79,4 @@ void check_is_run(const fs::path& run, bool has_checkpoint) {
                        "choose another -o, or move it elsewhere");
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

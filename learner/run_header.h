@@ -7,7 +7,7 @@
 #include "learner/data.h"
 #include "learner/train.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 /// What a resumed run must have in common with the run that it goes on with: options, people, the content of
 /// the views that it trains on (identity_of_views) and of the priors that guide it.
@@ -23,4 +23,4 @@ void check_same_run(const nlohmann::json& before, const nlohmann::json& now,
 /// another program's, or those of a run whose checkpoints somebody removed.
 void check_is_run(const std::filesystem::path& run, bool has_checkpoint);
 
-}  // namespace ohb
+}  // namespace ohb::learner

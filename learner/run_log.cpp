@@ -9,7 +9,7 @@
 #include "dataset/model/error.h"
 #include "dataset/model/json_text.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace {
 
 constexpr double kRedraw_s = 0.2, kLine_s = 60;
@@ -83,4 +83,4 @@ void TrainProgress::show(int64_t step, double loss, double data_wait_s) {
                done / elapsed, loss, 100 * data_wait_s / elapsed, left, terminal_ ? "   " : "\n");
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

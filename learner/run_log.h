@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-namespace ohb {
+namespace ohb::learner {
 
 /// RUN/log.jsonl. Opening it drops the lines of steps after `last_step`, which an interrupted run may have
 /// written beyond its last checkpoint, and a torn last line.
@@ -39,4 +39,4 @@ class TrainProgress {
   Clock::time_point start_, last_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -10,7 +10,7 @@
 #include "dataset/model/foreign_content.h"
 #include "dataset/model/json_text.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace fs = std::filesystem;
 namespace {
 
@@ -152,4 +152,4 @@ TensorFile read_tensors(const fs::path& file) {
   return content;
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -11,7 +11,7 @@
 
 #include "learner/torch.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 struct TensorFile {
   std::vector<std::pair<std::string, torch::Tensor>> tensors;  // float32, half or int64, on the CPU
@@ -26,4 +26,4 @@ void write_tensors(const std::filesystem::path& file, const TensorFile& content)
 /// not fit its shape and type, or if bytes are left over. Half is returned as half.
 TensorFile read_tensors(const std::filesystem::path& file);
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-namespace ohb::shading {
+namespace ohb::learner::shading {
 
 constexpr double kPi = 3.14159265358979323846;
 /// Cosines at or below this are not lit; also the floor of denominators.
@@ -192,4 +192,4 @@ template <typename T>
   return g;
 }
 
-}  // namespace ohb::shading
+}  // namespace ohb::learner::shading

@@ -3,7 +3,7 @@
 #include "dataset/model/error.h"
 #include "learner/oracle.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace {
 
 // Largest less smallest value in the table of materials (assets/materials.xml).
@@ -149,4 +149,4 @@ Losses losses_of(Task task, const Tensor& output, const MaterialMaps& truth, con
   return losses;
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

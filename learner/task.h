@@ -7,7 +7,7 @@
 #include "learner/fused_loss.h"
 #include "learner/networks.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 enum class Task { kGeometry, kAlbedo, kRss, kFinetune };
 constexpr std::array<Task, 4> kTasks = {Task::kGeometry, Task::kAlbedo, Task::kRss, Task::kFinetune};
@@ -66,4 +66,4 @@ Losses losses_of(Task task, const torch::Tensor& output, const MaterialMaps& tru
                  const std::vector<shading::Light<double>>& lights, double render_weight,
                  const shading::Options& options = {}, bool balanced = false);
 
-}  // namespace ohb
+}  // namespace ohb::learner

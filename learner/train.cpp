@@ -16,7 +16,7 @@
 #include "learner/run_header.h"
 #include "learner/run_log.h"
 
-namespace ohb {
+namespace ohb::learner {
 namespace fs = std::filesystem;
 namespace {
 
@@ -333,4 +333,4 @@ Tensor PriorSet::estimate(const Tensor& input) const {
   return torch::cat(outputs, 1);
 }
 
-}  // namespace ohb
+}  // namespace ohb::learner

@@ -11,7 +11,7 @@
 #include "learner/checkpoint.h"
 #include "learner/task.h"
 
-namespace ohb {
+namespace ohb::learner {
 
 /// What the finetuning model gets as guidance while it trains.
 enum class Guidance {
@@ -85,4 +85,4 @@ class PriorSet {
   std::map<Task, Network> networks_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::learner

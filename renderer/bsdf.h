@@ -5,11 +5,11 @@
 // Fresnel); constants and order of operations measured against Cycles 3.4.1 (tests/renderer).
 #pragma once
 
+#include "dataset/model/sampling.h"
 #include "renderer/cycles_model.h"
 #include "renderer/eight.h"
-#include "renderer/sampling.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// (1 - x)^5 with x clamped to [0, 1] (Schlick's weight).
 inline float schlick_weight(float x) {
@@ -393,4 +393,4 @@ class PrincipledV1 {
   bool bumped_, has_diffuse_, has_specular_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -11,7 +11,7 @@
 #include "renderer/bsdf.h"
 #include "renderer/ggx_energy.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// Lambda of Smith's masking for isotropic GGX: G1 = 1 / (1 + lambda).
 inline float ggx_lambda(float c, float alpha2) {
@@ -292,4 +292,4 @@ class PrincipledV2 {
   float entry_weight_, diffuse_share_, medium_share_, specular_share_, entry_share_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::renderer

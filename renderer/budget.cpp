@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "renderer/sampling.h"
+#include "dataset/model/sampling.h"
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 constexpr int kPool_px = 2;  // the neighbours on each side that a pixel's noise is told from
@@ -164,4 +164,4 @@ std::vector<uint32_t> powers_of_two(const std::vector<uint32_t>& budget) {
   return sum_of(best) > 0 ? best : budget;
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

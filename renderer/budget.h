@@ -6,7 +6,7 @@
 
 #include "dataset/model/sample.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// Independent images of the same number of paths a seen pixel, and what they took.
 struct Pilots {
@@ -39,4 +39,4 @@ std::vector<uint32_t> continued_budget(const Pilots& begun, uint32_t begun_spp,
 /// them may err more than 32.
 std::vector<uint32_t> powers_of_two(const std::vector<uint32_t>& budget);
 
-}  // namespace ohb
+}  // namespace ohb::renderer

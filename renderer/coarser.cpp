@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 constexpr int kLeastWidth_px = 64;
@@ -83,4 +83,4 @@ int largest_map_px(const Model& model) {
   return largest;
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -4,7 +4,7 @@
 #include "dataset/model/environment.h"
 #include "dataset/model/model.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// Each texel the mean of 2 x 2; needs an even width and height.
 Image halved(const Image& image);
@@ -20,4 +20,4 @@ Model with_coarser_maps(const Model& model, int size_px);
 /// The largest width of the model's maps.
 int largest_map_px(const Model& model);
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -6,7 +6,7 @@
 
 #include "dataset/model/vec.h"
 
-namespace ohb::cycles {
+namespace ohb::renderer::cycles {
 
 /// Closures whose colour is below this are not made (3.x to 4.x, CLOSURE_WEIGHT_CUTOFF).
 constexpr float kClosureWeightCutoff = 1e-5f;
@@ -85,4 +85,4 @@ inline float bump_terminator_v2(Vec3f ns, Vec3f n, Vec3f wi) {
   return 2 / (1 + std::sqrt(1 + alpha2 * (1 / (cos_i * cos_i) - 1)));
 }
 
-}  // namespace ohb::cycles
+}  // namespace ohb::renderer::cycles

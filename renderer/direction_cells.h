@@ -7,7 +7,7 @@
 
 #include "dataset/model/vec.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 struct DirectionCells {
   static constexpr int kSide = 16, kCount = kSide * kSide;
@@ -50,4 +50,4 @@ struct DirectionCells {
   static int index(float x) { return std::clamp(static_cast<int>((x + 1) * (0.5f * kSide)), 0, kSide - 1); }
 };
 
-}  // namespace ohb
+}  // namespace ohb::renderer

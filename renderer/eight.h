@@ -7,7 +7,7 @@
 
 #include "dataset/model/vec.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 namespace stdx = std::experimental;
 
@@ -95,4 +95,4 @@ inline void sine_cosine_of_turns(Float8 turns, Float8& sine, Float8& cosine) {
   cosine = select(quarter == Float8(1) || quarter == Float8(2), -cosine, cosine);
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

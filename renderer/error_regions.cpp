@@ -3,7 +3,7 @@
 #include "dataset/model/parallel.h"
 #include "dataset/model/regions.h"
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 constexpr uint8_t kNothing = 255;
@@ -60,4 +60,4 @@ double largest_error(const RegionTable& table) {
   return largest;
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -8,7 +8,7 @@
 
 #include "renderer/rounds.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// Pixels of a view by region.
 struct ErrorRegions {
@@ -58,4 +58,4 @@ RegionTable sum_regions(const ErrorRegions& regions, size_t lights, const ValueA
 /// The largest of all regions and lights.
 double largest_error(const RegionTable& table);
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ohb {
+namespace ohb::renderer {
 
 std::vector<uint8_t> footprint(const Scene& scene, const ViewCamera& view, int size_px) {
   // Far more than rounding moves a projected corner or a ray.
@@ -31,4 +31,4 @@ std::vector<uint8_t> footprint(const Scene& scene, const ViewCamera& view, int s
   return seen;
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -1,9 +1,9 @@
 #include "renderer/ggx_energy.h"
 
 #include "dataset/model/parallel.h"
-#include "renderer/sampling.h"
+#include "dataset/model/sampling.h"
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 constexpr double kLeast = 1e-4, kMostZ = 0.99;  // the grid's ends stand for these
@@ -110,4 +110,4 @@ const GgxEnergy& ggx_energy() {
   return energy;
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// Means over the visible normals of isotropic GGX with height-correlated Smith masking, in a white furnace,
 /// by roughness (alpha = roughness^2) and the cosine mu of the viewer. The grids and their linear
@@ -62,4 +62,4 @@ class GgxEnergy {
 /// Made at the first call (about 0.1 s).
 const GgxEnergy& ggx_energy();
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -5,11 +5,11 @@
 #include <limits>
 #include <type_traits>
 
-#include "renderer/sampling.h"
+#include "dataset/model/sampling.h"
 #include "renderer/scene.h"
 #include "renderer/shadow_guess.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 struct Ray {
   Vec3f origin, direction;  // unit direction, subject frame, cm
@@ -51,7 +51,7 @@ inline RTCRayHit embree_ray(const Ray& ray, float t_near, float t_far) {
 inline bool intersect_bvh(RTCScene bvh, uint32_t first_triangle, const Ray& ray, float t_near, float t_far,
                           Hit& hit) {
   RTCRayHit r = embree_ray(ray, t_near, t_far);
-  intersect_one(bvh, r);
+  surface::intersect_one(bvh, r);
   if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   hit = {first_triangle + r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar};
   return true;
@@ -99,7 +99,7 @@ bool intersect(const Scene& scene, const Ray& ray, Random& random, RayCounts& co
   if constexpr (kCutouts) {
     if (found) t_far = hit.t;
     float t_near = 0;
-    uint32_t passed = kNoTriangle;
+    uint32_t passed = surface::kNoTriangle;
     Hit layer;
     record_ray(counts, ray, t_near, t_far, false, true);
     while (intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
@@ -109,7 +109,7 @@ bool intersect(const Scene& scene, const Ray& ray, Random& random, RayCounts& co
         return true;
       }
       passed = layer.triangle;
-      t_near = beyond(layer.t, t_near);
+      t_near = surface::beyond(layer.t, t_near);
       ++counts.closest_hit;
       record_ray(counts, ray, t_near, t_far, false, true);
     }
@@ -139,7 +139,7 @@ void closest_opaque(const Scene& scene, int count, const RayOf& ray_of, bool run
     r.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     if (i < count) record_ray(counts, ray, 0, kInfinity, false, false);
   }
-  if (scene.opaque) intersect_eight(scene.opaque, valid, r, run_alike);
+  if (scene.opaque) surface::intersect_eight(scene.opaque, valid, r, run_alike);
   for (int i = 0; i < count; ++i) {
     found[i].is_hit = r.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
     found[i].hit = {r.hit.primID[i], r.hit.u[i], r.hit.v[i], r.ray.tfar[i]};
@@ -148,7 +148,7 @@ void closest_opaque(const Scene& scene, int count, const RayOf& ray_of, bool run
 
 /// Eight rays through cut-outs.
 struct CutoutQuery {
-  QueryContext context;  // first: Embree hands it to the filter
+  surface::QueryContext context;  // first: Embree hands it to the filter
   const Scene* scene;
   /// In double: layers come in the order of Embree's tree, which no float should show.
   double light[8] = {1, 1, 1, 1, 1, 1, 1, 1};
@@ -191,7 +191,7 @@ void transmittances(const Scene& scene, const WaitingLight* lights, int count, R
     set_lane(r, i, light.ray, light.t_far);
     if (i < count) record_ray(counts, light.ray, 0, light.t_far, true, false);
   }
-  if (scene.opaque) occluded_eight(scene.opaque, valid, r);
+  if (scene.opaque) surface::occluded_eight(scene.opaque, valid, r);
   for (int i = 0; i < count; ++i) shares[i] = r.tfar[i] < 0 ? 0.0f : 1.0f;
   if constexpr (kCutouts) {
     CutoutQuery query;
@@ -205,9 +205,9 @@ void transmittances(const Scene& scene, const WaitingLight* lights, int count, R
       ++counts.shadow;
       record_ray(counts, lights[i].ray, 0, lights[i].t_far, true, true);
     }
-    occluded_eight(scene.cutout, valid, r, pass_cutout, query.context);
+    surface::occluded_eight(scene.cutout, valid, r, pass_cutout, query.context);
     for (int i = 0; i < count; ++i) shares[i] *= static_cast<float>(query.light[i]);
   }
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

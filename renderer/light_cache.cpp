@@ -7,7 +7,7 @@
 #include "renderer/intersect.h"
 #include "renderer/surface.h"
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 constexpr uint64_t kRaySeed = 0x7669736962ull, kLightSeed = 0x6c69676874ull;
@@ -342,4 +342,4 @@ LightCache::LightCache(const VisibilityCache& visibility, const Scene& scene, co
   if (max_bounces > kBounces) reflect();
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

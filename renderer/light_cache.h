@@ -13,7 +13,7 @@
 #include "renderer/lights.h"
 #include "renderer/scene.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// Of each vertex and cell of directions: whether a ray is free. One ray each, in a random direction of the
 /// cell and from a random point of the triangles around the vertex, so that shares of bits are shares of
@@ -100,4 +100,4 @@ class LightCache {
   std::vector<float> blocked_;   // 2 x vertex + side
 };
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -6,7 +6,7 @@
 #include "renderer/cycles_model.h"
 #include "renderer/eight.h"
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 // i in [-1, n] into [0, n).
@@ -112,7 +112,8 @@ LightSample EnvironmentLight::sample(float u1, float u2) const {
   // Half a tent hangs over the border: on the other side of the map, as in the lookup.
   uv = {uv.x - std::floor(uv.x), uv.y - std::floor(uv.y)};
   LightSample sample;
-  const SineCosine phi = sine_cosine_of_turns(uv.x - 0.5f), theta = sine_cosine_of_turns(0.5f * uv.y);
+  const SineCosine phi = ohb::sine_cosine_of_turns(uv.x - 0.5f),
+                   theta = ohb::sine_cosine_of_turns(0.5f * uv.y);
   sample.wi = {theta.sine * phi.cosine, theta.cosine, theta.sine * phi.sine};  // environment_direction(uv)
   const EnvironmentValue value = at(MapPlace{uv, theta.sine});
   sample.pdf = value.pdf;
@@ -153,4 +154,4 @@ std::shared_ptr<const LightSet> prepare_lights(const std::vector<Environment>& e
   return lights;
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <vector>
 
+#include "dataset/model/sampling.h"
 #include "renderer/direction_cells.h"
 #include "renderer/render.h"
-#include "renderer/sampling.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// Inverse CDF of a table of non-negative weights with a guide table: monotone in u, so that stratified
 /// numbers stay stratified, and O(1) on average (Chen and Asau 1974).
@@ -134,4 +134,4 @@ class LightSet {
   size_t size() const { return environments.size() + points.size(); }
 };
 
-}  // namespace ohb
+}  // namespace ohb::renderer

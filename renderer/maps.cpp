@@ -4,7 +4,7 @@
 #include "dataset/model/regions.h"
 #include "renderer/footprint.h"
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 // Weighted sums of one pixel.
@@ -34,7 +34,7 @@ void add_point(const Scene& scene, const ViewCamera& view, const Ray& ray, doubl
   Hit solid, layer;
   const bool has_solid = scene.opaque && intersect_bvh(scene.opaque, 0, ray, 0, kInfinity, solid);
   float visible = 1, t_near = 0;
-  uint32_t passed = kNoTriangle;
+  uint32_t passed = surface::kNoTriangle;
   const float t_far = has_solid ? solid.t : kInfinity;
   while (scene.cutout && visible > 0 &&
          intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
@@ -42,7 +42,7 @@ void add_point(const Scene& scene, const ViewCamera& view, const Ray& ray, doubl
     if (alpha > 0) add_layer(scene, view, ray, layer, visible * alpha, turn_rad, sums);
     visible *= 1 - alpha;
     passed = layer.triangle;
-    t_near = beyond(layer.t, t_near);
+    t_near = surface::beyond(layer.t, t_near);
   }
   if (has_solid && visible > 0) add_layer(scene, view, ray, solid, visible, turn_rad, sums);
 }
@@ -92,4 +92,4 @@ Sample render_maps(const Scene& scene, const Camera& camera, double turn_rad, co
   return sample;
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

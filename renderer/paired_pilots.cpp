@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "renderer/validation/student_t.h"
+#include "renderer/student_t.h"
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 constexpr uint64_t kPairSeeds = 0x70616972ull;
@@ -120,4 +120,4 @@ SquaredDifference squared_difference(const PilotStack& a, size_t light_a, const 
   return {value, value - reach, value + reach};
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -5,7 +5,7 @@
 
 #include "renderer/rounds.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// Values of some pixels of K independent images: [image][light][3 x pixel + channel].
 using PilotStack = std::vector<std::vector<std::vector<float>>>;
@@ -29,4 +29,4 @@ struct SquaredDifference {
 SquaredDifference squared_difference(const PilotStack& a, size_t light_a, const PilotStack& b, size_t light_b,
                                      double alpha);
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -11,7 +11,7 @@
 #include "renderer/random_walk.h"
 #include "renderer/shadow_guess.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 constexpr float kCandidatesWorth = 3;  // in directions of the BSDF's own, measured; any value is unbiased
 // The first surface that the camera sees sends several rays on, which share the way to it: so many under a
@@ -154,4 +154,4 @@ struct Split {
   }
 };
 
-}  // namespace ohb
+}  // namespace ohb::renderer

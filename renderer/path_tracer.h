@@ -9,7 +9,7 @@
 #include "renderer/path_state.h"
 #include "renderer/surface.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// What is thought of eight directions before rays are sent.
 inline Expected8 expect(const LightCandidates& candidates, const LightCache::Known* known,
@@ -306,4 +306,4 @@ void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile)
   }
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <map>
 
+#include "dataset/model/stopwatch.h"
 #include "renderer/coarser.h"
 #include "renderer/light_cache.h"
 #include "renderer/paired_pilots.h"
-#include "renderer/validation/stopwatch.h"
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 constexpr int kImages = 16, kFirstSpp = 1, kMostSpp = 16, kMostCacheSpp = 64;
@@ -302,4 +302,4 @@ PreparedScene prepare_scene(const Model& model, const std::vector<Environment>& 
   return Choice(model, variants, views, job_views, settings, tolerance).run();
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

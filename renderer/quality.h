@@ -7,7 +7,7 @@
 
 #include "renderer/render.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 enum class Quality {
   kReference,  // everything that the settings allow
@@ -68,4 +68,4 @@ PreparedScene prepare_scene(const Model& model, const std::vector<Environment>& 
                             const std::vector<PointLight>& points, const std::vector<QualityView>& views,
                             int job_views, const RenderSettings& settings, Quality quality, double tolerance);
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -8,7 +8,7 @@
 #include "renderer/subsurface.h"
 #include "renderer/surface.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// Where and how a walk left the medium.
 struct WalkExit {
@@ -64,7 +64,7 @@ inline void intersect_solids_of(RTCScene bvh, uint32_t first_triangle, bool is_c
       ++counts.walk_segments;
       record_ray(counts, asked.ray, t_near[i], t_far, false, is_cutout);
     }
-    intersect_eight(bvh, valid, r, false);
+    surface::intersect_eight(bvh, valid, r, false);
     any = false;
     for (int i = 0; i < 8; ++i) {
       if (!valid[i]) continue;
@@ -72,7 +72,7 @@ inline void intersect_solids_of(RTCScene bvh, uint32_t first_triangle, bool is_c
       if (r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
       const Hit found{first_triangle + r.hit.primID[i], r.hit.u[i], r.hit.v[i], r.ray.tfar[i]};
       if (found.triangle == rays[i].skip) {
-        t_near[i] = beyond(found.t, t_near[i]);
+        t_near[i] = surface::beyond(found.t, t_near[i]);
         valid[i] = -1, any = true;
       } else {
         rays[i].is_hit = true;
@@ -200,7 +200,7 @@ class WalkLanes {
         t_far = std::max(t_far, 10 / min_component(walk_[k]->medium->medium.sigma_t_per_cm));
       rays[k] = {{at(position_, k), at(direction_, k)},
                  t_far,
-                 segment_[k] == 0 ? walk_[k]->triangle : kNoTriangle,
+                 segment_[k] == 0 ? walk_[k]->triangle : surface::kNoTriangle,
                  false,
                  {}};
     }
@@ -307,4 +307,4 @@ void walk_under_surface(const Scene& scene, std::vector<Walk>& walks, RayCounts&
   }
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -12,7 +12,7 @@
 #include "dataset/model/model.h"
 #include "dataset/model/sample.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// A light of no size in world space (it does not turn with the subject). `intensity` is radiant intensity
 /// with distances in metres: the irradiance at d metres is intensity / d^2, in each of R, G, B.
@@ -108,4 +108,4 @@ std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& light
 
 std::string ray_library_version();
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -4,7 +4,7 @@
 #include "renderer/budget.h"
 #include "renderer/rounds.h"
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 // A pixel's first paths tell how noisy its neighbours are: up to an eighth of the mean (a quarter below 32),
@@ -69,4 +69,4 @@ std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& light
   return images;
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -8,7 +8,7 @@
 #include "renderer/budget.h"
 #include "renderer/error_regions.h"
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 constexpr int kPilots = 4, kStreams = 4;
@@ -283,4 +283,4 @@ std::vector<SampleLight> render_to_error(const Scene& scene, const LightSet& lig
   return image;
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

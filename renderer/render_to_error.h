@@ -3,7 +3,7 @@
 
 #include "renderer/render.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 struct ErrorGoal {
   double relative_error = 0.01;
@@ -48,4 +48,4 @@ std::vector<SampleLight> render_to_error(const Scene& scene, const LightSet& lig
                                          const PixelsDone& done = nullptr,
                                          const RoundDone& round_done = nullptr);
 
-}  // namespace ohb
+}  // namespace ohb::renderer

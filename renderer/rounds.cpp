@@ -12,7 +12,7 @@
 #include "renderer/footprint.h"
 #include "renderer/waves.h"
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 constexpr int kTile_px = 16;
@@ -277,4 +277,4 @@ Pilots render_pilots(const Picture& picture, int images, int spp, RenderStatisti
   return pilots;
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -6,7 +6,7 @@
 #include "renderer/budget.h"
 #include "renderer/path_tracer.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// One call's scene, lights, view and pixels. Refers to the scene, lights and settings that it is made of.
 struct Picture {
@@ -44,4 +44,4 @@ std::vector<SampleLight> render_round(const Picture& picture, const PathRange& p
 Pilots render_pilots(const Picture& picture, int images, int spp, RenderStatistics& statistics,
                      const PixelsDone& done);
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -7,7 +7,7 @@
 
 #include "dataset/model/tangent_frame.h"
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 // Hit points are computed from the corners; their error is a few units in the last place of the largest
@@ -30,7 +30,7 @@ RTCScene build_bvh(RTCDevice device, const Scene& scene, uint32_t first, uint32_
   // Splitting triangles (HIGH) takes three times as long to build, and people's even meshes are no faster by
   // it.
   rtcSetSceneBuildQuality(bvh, RTC_BUILD_QUALITY_MEDIUM);
-  if (is_cut) allow_filters(bvh, geometry);
+  if (is_cut) surface::allow_filters(bvh, geometry);
   rtcAttachGeometry(bvh, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(bvh);
@@ -105,4 +105,4 @@ std::shared_ptr<const Scene> build_scene(const Model& model) {
   return std::make_shared<const Scene>(model);
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

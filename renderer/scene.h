@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "renderer/embree_compat.h"
+#include "dataset/surface/embree_compat.h"
 #include "renderer/render.h"
 #include "renderer/texels.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// Vertex attributes of one triangle; 64 bytes.
 struct alignas(64) TriangleAttributes {
@@ -53,4 +53,4 @@ class Scene {
   RTCDevice device_ = nullptr;
 };
 
-}  // namespace ohb
+}  // namespace ohb::renderer

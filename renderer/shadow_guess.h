@@ -11,7 +11,7 @@
 #include "renderer/direction_cells.h"
 #include "renderer/eight.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 constexpr int kGuessBlock_px = 4;  // pixels of a square that share a guess, measured
 
@@ -49,4 +49,4 @@ class ShadowGuess {
   std::array<SeenShares, DirectionCells::kCount> cells_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 // Diffuse Fresnel reflectance at relative index 1.4 (Egan and Hilgeman's fit, as in Jensen 2001) and from it
@@ -83,4 +83,4 @@ SubsurfaceMedium subsurface_medium(Vec3f colour, Vec3f radius_cm) {
   return medium;
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

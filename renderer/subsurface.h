@@ -4,7 +4,7 @@
 #include "renderer/cycles_model.h"
 #include "renderer/scene.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// What a random walk needs to know, by channel.
 struct SubsurfaceMedium {
@@ -36,4 +36,4 @@ inline Vec3f subsurface_radius_cm(float sss) {
   return sss * Vec3f{1.0f, 0.2f, 0.1f};
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

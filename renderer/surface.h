@@ -9,7 +9,7 @@
 #include "renderer/bsdf_v2.h"
 #include "renderer/intersect.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 struct SurfacePoint {
   Hit hit;
@@ -144,4 +144,4 @@ class ViewCamera {
   float scale_, half_width_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::renderer

@@ -7,7 +7,7 @@
 
 #include "dataset/model/parallel.h"
 
-namespace ohb {
+namespace ohb::renderer {
 namespace {
 
 uint16_t to_half(float value) {
@@ -51,4 +51,4 @@ Texels::Texels(const TextureSet& set)
   });
 }
 
-}  // namespace ohb
+}  // namespace ohb::renderer

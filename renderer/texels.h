@@ -14,7 +14,7 @@
 
 #include "dataset/model/model.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// What the maps hold at one surface point, filtered.
 struct SurfaceTexel {
@@ -112,4 +112,4 @@ class Texels {
   std::unique_ptr<HalfNormal[], FreeArray> normals_;  // null: no normal map
 };
 
-}  // namespace ohb
+}  // namespace ohb::renderer

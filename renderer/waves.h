@@ -4,7 +4,7 @@
 
 #include "renderer/path_tracer.h"
 
-namespace ohb {
+namespace ohb::renderer {
 
 /// Where the rays of tile.wave go, without cut-outs eight at once. What is asked for there comes into the
 /// cache meanwhile: texels of large maps come from far.
@@ -117,4 +117,4 @@ void trace_paths(const PathContext& c, Tile& tile, Vec3f* radiance) {
 extern template void trace_paths<false, PrincipledV2>(const PathContext&, Tile&, Vec3f*);
 extern template void trace_paths<true, PrincipledV2>(const PathContext&, Tile&, Vec3f*);
 
-}  // namespace ohb
+}  // namespace ohb::renderer

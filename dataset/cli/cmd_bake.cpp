@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/cli/commands.h"
+#include "dataset/commands/bake_scan.h"
 #include "dataset/model/json_text.h"
 #include "dataset/model/scan_unit.h"
-#include "dataset/production/bake_scan.h"
 #include "dataset/program/help.h"
 #include "dataset/program/option_checks.h"
 
@@ -16,13 +16,13 @@ struct Options {
   std::string scan, regions, materials, unit, name, normals = "auto", output;
   std::string source, source_unit, cage;
   int size_px = 0;
-  double reach_cm = 0, max_missed_percent = 100 * kMaxMissedShare;
-  double max_overlap_percent = 100 * kMaxSourceOverlapShare;
+  double reach_cm = 0, max_missed_percent = 100 * bake::kMaxMissedShare;
+  double max_overlap_percent = 100 * bake::kMaxSourceOverlapShare;
   bool wants_object_normals = false, keeps_seams = false, wants_mips = false, delights = false;
 };
 
 int run_bake(const Options& options, const CommonOptions& common) {
-  BakeJob job;
+  commands::BakeJob job;
   job.scan = options.scan;
   job.regions = options.regions;
   job.materials = options.materials;
@@ -42,7 +42,7 @@ int run_bake(const Options& options, const CommonOptions& common) {
   job.wants_object_normals = options.wants_object_normals;
   job.output = options.output;
   job.delights = options.delights;
-  const BakeScanReport report = bake_scan(job);
+  const commands::BakeScanReport report = commands::bake_scan(job);
   std::printf("%s", common.json ? (json_text(to_json(report), 2) + "\n").c_str() : to_text(report).c_str());
   return 0;
 }
@@ -59,7 +59,7 @@ void add_bake_command(CLI::App& app, Commands& commands) {
   command
       ->add_option("--size", options->size_px,
                    "texels along the longer edge of the maps (default: those of the diffuse picture)")
-      ->check(whole_within(1, kMaxMapSize_px));
+      ->check(program::whole_within(1, bake::kMaxMapSize_px));
   command->add_option("--unit", options->unit, kUnitHelp);
   command->add_option("--name", options->name, "name of the model (default: that of the scan's file)");
   command
@@ -76,19 +76,19 @@ void add_bake_command(CLI::App& app, Commands& commands) {
   command
       ->add_option("--reach", options->reach_cm,
                    "cm that the source may lie outside or inside the scan (default: 1 % of its diagonal)")
-      ->check(number_within(1e-6, 1e6));
+      ->check(program::number_within(1e-6, 1e6));
   command->add_option("--cage", options->cage,
                       "the scan with its points moved outwards: how far the source may lie outside, point by "
                       "point");
   command
       ->add_option("--max-missed", options->max_missed_percent,
                    "percent of a set's texels that may miss the source")
-      ->check(number_within(0.0, 100.0))
+      ->check(program::number_within(0.0, 100.0))
       ->capture_default_str();
   command
       ->add_option("--max-overlap", options->max_overlap_percent,
                    "percent of a set's texels that may show two faces, with a source")
-      ->check(number_within(0.0, 100.0))
+      ->check(program::number_within(0.0, 100.0))
       ->capture_default_str();
   command->add_flag("--object-normals", options->wants_object_normals,
                     "write the source's normals in the model's axes too (normal_object.exr)");
@@ -100,11 +100,11 @@ void add_bake_command(CLI::App& app, Commands& commands) {
                     "divide the scan's pictures by the light of its surroundings, where they follow it");
   command->add_option("-o,--output", options->output, "folder for the model")->required();
   add_common_options(*command, commands.common);
-  command->footer(
-      help_footer({"openhumanbrdf bake person.obj --regions regions -o model",
-                   "openhumanbrdf bake person.glb --regions regions --size 4096 --unit m -o model",
-                   "openhumanbrdf bake low.obj --regions regions --source high.obj --size 4096 -o model",
-                   "openhumanbrdf bake person.obj --regions regions --delight -o model"}));
+  command->footer(program::help_footer(
+      {"openhumanbrdf bake person.obj --regions regions -o model",
+       "openhumanbrdf bake person.glb --regions regions --size 4096 --unit m -o model",
+       "openhumanbrdf bake low.obj --regions regions --source high.obj --size 4096 -o model",
+       "openhumanbrdf bake person.obj --regions regions --delight -o model"}));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_bake(*options, commands.common); };
   });

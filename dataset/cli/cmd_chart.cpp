@@ -7,11 +7,11 @@
 #include "dataset/model/atomic_folder.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
+#include "dataset/model/stopwatch.h"
 #include "dataset/program/help.h"
 #include "dataset/program/option_checks.h"
-#include "renderer/validation/speed_accuracy.h"
-#include "renderer/validation/stopwatch.h"
-#include "renderer/validation/stress.h"
+#include "dataset/studies/speed_accuracy.h"
+#include "dataset/studies/stress.h"
 
 namespace ohb {
 namespace fs = std::filesystem;
@@ -20,15 +20,15 @@ namespace {
 struct Options {
   std::string model, output;
   std::vector<std::string> environments;
-  SpeedAccuracySettings settings;
+  studies::SpeedAccuracySettings settings;
 };
 
-void print_summary(const SpeedAccuracy& chart, const fs::path& output) {
+void print_summary(const studies::SpeedAccuracy& chart, const fs::path& output) {
   std::printf("%-28s %6s %9s %9s %9s  %s\n", "series", "spp", "load s", "wall s", "cpu s", "error");
-  for (const SpeedAccuracyPoint& p : chart.points)
+  for (const studies::SpeedAccuracyPoint& p : chart.points)
     std::printf("%-28s %6d %9.2f %9.3f %9.3f  %.3f %%%s\n", p.series.c_str(), p.spp, p.load_s, p.wall_s,
                 p.cpu_s, 100 * p.relative_error, p.on_front ? "  front" : "");
-  for (const SpeedAccuracyRatio& r : chart.ratios)
+  for (const studies::SpeedAccuracyRatio& r : chart.ratios)
     std::printf("to an error of %.3f %%: %s%s takes %.2f times as long as %s (%.2f without loading)\n",
                 100 * r.relative_error, r.cycles.c_str(),
                 r.adaptive_threshold > 0 ? " with its adaptive stop" : "", r.with_loading, r.ours.c_str(),
@@ -40,7 +40,7 @@ void print_summary(const SpeedAccuracy& chart, const fs::path& output) {
 }
 
 int run_chart(const Options& options, const CommonOptions& common) {
-  SpeedAccuracySettings settings = options.settings;
+  studies::SpeedAccuracySettings settings = options.settings;
   settings.threads = common.threads;
   settings.seed = common.seed;
   Model model;
@@ -59,14 +59,15 @@ int run_chart(const Options& options, const CommonOptions& common) {
   AtomicFolder folder(options.output, "chart of speed and accuracy", inputs);
   const fs::path scratch = folder.path() / "scenes";
   fs::create_directories(scratch);
-  const SpeedAccuracy chart = measure_speed_accuracy(model, environments, settings, scratch);
+  const studies::SpeedAccuracy chart =
+      studies::measure_speed_accuracy(model, environments, settings, scratch);
   fs::remove_all(scratch);
-  write_file_atomically(folder.path() / "chart.csv", speed_accuracy_csv(chart));
-  write_file_atomically(folder.path() / "chart.json", speed_accuracy_json(chart));
-  draw_speed_accuracy(chart, folder.path());
+  write_file_atomically(folder.path() / "chart.csv", studies::speed_accuracy_csv(chart));
+  write_file_atomically(folder.path() / "chart.json", studies::speed_accuracy_json(chart));
+  studies::draw_speed_accuracy(chart, folder.path());
   folder.commit();
   if (common.json)
-    std::printf("%s", speed_accuracy_json(chart).c_str());
+    std::printf("%s", studies::speed_accuracy_json(chart).c_str());
   else
     print_summary(chart, options.output);
   return 0;
@@ -74,15 +75,15 @@ int run_chart(const Options& options, const CommonOptions& common) {
 
 struct StressOptions {
   std::string catalogue, output;
-  StressSettings settings;
+  studies::StressSettings settings;
   bool without_cycles = false, without_heavy = false;
 };
 
-void print_stress(const std::vector<StressCaseResult>& results, const fs::path& output) {
-  for (const StressCaseResult& c : results) {
+void print_stress(const std::vector<studies::StressCaseResult>& results, const fs::path& output) {
+  for (const studies::StressCaseResult& c : results) {
     std::printf("%-24s %s\n", c.stress.name.c_str(),
                 c.passes() ? "within its limits" : "NOT WITHIN ITS LIMITS");
-    for (const StressResult& r : c.results)
+    for (const studies::StressResult& r : c.results)
       for (const std::string& failure : r.failures)
         std::printf("    %s %g: %s\n", c.stress.parameter.c_str(), r.point.at, failure.c_str());
   }
@@ -90,27 +91,27 @@ void print_stress(const std::vector<StressCaseResult>& results, const fs::path& 
 }
 
 int run_stress_chart(const StressOptions& options, const CommonOptions& common) {
-  StressSettings settings = options.settings;
+  studies::StressSettings settings = options.settings;
   settings.threads = common.threads;
   settings.seed = common.seed;
   settings.with_cycles = !options.without_cycles;
   settings.with_heavy = !options.without_heavy;
   const fs::path file =
       options.catalogue.empty() ? program_file("assets/stress/catalogue.json") : fs::path(options.catalogue);
-  const std::vector<StressCase> catalogue = read_stress_catalogue(file);
+  const std::vector<studies::StressCase> catalogue = studies::read_stress_catalogue(file);
   AtomicFolder folder(options.output, "chart of hard cases", {file});
   const fs::path scratch = folder.path() / "scenes";
-  const std::vector<StressCaseResult> results = run_stress(catalogue, settings, scratch);
+  const std::vector<studies::StressCaseResult> results = studies::run_stress(catalogue, settings, scratch);
   fs::remove_all(scratch);
-  write_file_atomically(folder.path() / "chart.csv", stress_csv(results));
-  write_file_atomically(folder.path() / "chart.json", stress_json(results));
-  draw_stress(results, folder.path());
+  write_file_atomically(folder.path() / "chart.csv", studies::stress_csv(results));
+  write_file_atomically(folder.path() / "chart.json", studies::stress_json(results));
+  studies::draw_stress(results, folder.path());
   folder.commit();
   if (common.json)
-    std::printf("%s", stress_json(results).c_str());
+    std::printf("%s", studies::stress_json(results).c_str());
   else
     print_stress(results, options.output);
-  for (const StressCaseResult& c : results)
+  for (const studies::StressCaseResult& c : results)
     if (!c.passes()) return kExitDifference;
   return 0;
 }
@@ -119,7 +120,7 @@ void add_stress_chart(CLI::App& chart, Commands& commands) {
   CLI::App* command =
       chart.add_subcommand("stress", "Hard cases, from harmless to impossible: ours beside Cycles");
   auto options = std::make_shared<StressOptions>();
-  StressSettings& settings = options->settings;
+  studies::StressSettings& settings = options->settings;
   command->add_option("--catalogue", options->catalogue,
                       "cases and their limits (default: assets/stress/catalogue.json)");
   command->add_option("--case", settings.only, "this case alone, by its name");
@@ -127,20 +128,21 @@ void add_stress_chart(CLI::App& chart, Commands& commands) {
   command->add_flag("--no-heavy", options->without_heavy, "leaves out what takes gigabytes");
   command->add_option("--blender", settings.blender, "Blender 3.4 (default: blender in PATH)");
   command->add_option("--size", settings.size_px, "width and height in pixels")
-      ->check(whole_within(8, 1024))
+      ->check(program::whole_within(8, 1024))
       ->capture_default_str();
   command->add_option("--spp", settings.spp, "paths a pixel")
-      ->check(whole_within(1, 8192))
+      ->check(program::whole_within(1, 8192))
       ->capture_default_str();
   command->add_option("--seeds", settings.seeds, "images of each kind, whose spread is the noise")
-      ->check(whole_within(2, 256))
+      ->check(program::whole_within(2, 256))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
       ->required();
   add_common_options(*command, commands.common);
-  command->footer(help_footer({"openhumanbrdf chart stress -o stress",
-                               "openhumanbrdf chart stress --case roughness --no-cycles -o stress"},
-                              "Exit code 1: a case is not within the limits that the catalogue states."));
+  command->footer(
+      program::help_footer({"openhumanbrdf chart stress -o stress",
+                            "openhumanbrdf chart stress --case roughness --no-cycles -o stress"},
+                           "Exit code 1: a case is not within the limits that the catalogue states."));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_stress_chart(*options, commands.common); };
   });
@@ -154,14 +156,15 @@ void add_bake_stress_chart(CLI::App& chart, Commands& commands);  // cmd_chart_b
 void add_chart_command(CLI::App& app, Commands& commands) {
   CLI::App* chart = app.add_subcommand("chart", "Charts of error against time, and of hard cases");
   chart->require_subcommand(1);
-  chart->footer(help_footer({"openhumanbrdf chart speed-accuracy --help",
-                             "openhumanbrdf chart speed-accuracy model --environment studio.exr -o chart"}));
+  chart->footer(
+      program::help_footer({"openhumanbrdf chart speed-accuracy --help",
+                            "openhumanbrdf chart speed-accuracy model --environment studio.exr -o chart"}));
   add_stress_chart(*chart, commands);
   add_bake_chart(*chart, commands);
   add_bake_stress_chart(*chart, commands);
   CLI::App* command = chart->add_subcommand("speed-accuracy", "Ours beside Cycles on one view of a model");
   auto options = std::make_shared<Options>();
-  SpeedAccuracySettings& settings = options->settings;
+  studies::SpeedAccuracySettings& settings = options->settings;
   command->add_option("MODEL", options->model, "folder that bake wrote")->required();
   command
       ->add_option(
@@ -170,26 +173,27 @@ void add_chart_command(CLI::App& app, Commands& commands) {
       ->required();
   command->add_option("--blender", settings.blender, "Blender 3.4 (default: blender in PATH)");
   command->add_option("--size", settings.size_px, "width and height in pixels")
-      ->check(whole_within(8, 8192))
+      ->check(program::whole_within(8, 8192))
       ->capture_default_str();
   command
       ->add_option("--max-spp", settings.max_spp,
                    "paths a pixel of the best images; the others take 4, 16, ...")
-      ->check(whole_within(4, 8192))
+      ->check(program::whole_within(4, 8192))
       ->capture_default_str();
   command->add_option("--seeds", settings.seeds, "images of each kind, whose spread is the error")
-      ->check(whole_within(2, 256))
+      ->check(program::whole_within(2, 256))
       ->capture_default_str();
   command->add_option("--bounces", settings.max_bounces, "indirect bounces at most")
-      ->check(whole_within(0, 1024))
+      ->check(program::whole_within(0, 1024))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
       ->required();
   add_common_options(*command, commands.common);
-  command->footer(help_footer({"openhumanbrdf chart speed-accuracy model --environment studio.exr -o chart",
-                               "openhumanbrdf chart speed-accuracy model --environment a.exr --environment "
-                               "b.exr --max-spp 64 -o chart"},
-                              "Times mean something on an idle machine only."));
+  command->footer(
+      program::help_footer({"openhumanbrdf chart speed-accuracy model --environment studio.exr -o chart",
+                            "openhumanbrdf chart speed-accuracy model --environment a.exr --environment "
+                            "b.exr --max-spp 64 -o chart"},
+                           "Times mean something on an idle machine only."));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_chart(*options, commands.common); };
   });

@@ -7,8 +7,8 @@
 #include "dataset/model/atomic_folder.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
-#include "dataset/production/bake_stress.h"
 #include "dataset/program/help.h"
+#include "dataset/studies/bake_stress.h"
 
 namespace ohb {
 namespace fs = std::filesystem;
@@ -18,11 +18,11 @@ struct Options {
   std::string catalogue, only, output;
 };
 
-void print_stress(const std::vector<BakeStressCaseResult>& results, const fs::path& output) {
-  for (const BakeStressCaseResult& c : results) {
+void print_stress(const std::vector<studies::BakeStressCaseResult>& results, const fs::path& output) {
+  for (const studies::BakeStressCaseResult& c : results) {
     std::printf("%-28s %s\n", c.stress.name.c_str(),
                 c.passes() ? "within its limits" : "NOT WITHIN ITS LIMITS");
-    for (const BakeStressResult& r : c.results)
+    for (const studies::BakeStressResult& r : c.results)
       for (const std::string& failure : r.failures)
         std::printf("    %s %g: %s\n", c.stress.parameter.c_str(), r.point.at, failure.c_str());
   }
@@ -32,21 +32,22 @@ void print_stress(const std::vector<BakeStressCaseResult>& results, const fs::pa
 int run_stress_bake(const Options& options, const CommonOptions& common) {
   const fs::path file = options.catalogue.empty() ? program_file("assets/stress/bake_catalogue.json")
                                                   : fs::path(options.catalogue);
-  const std::vector<BakeStressCase> catalogue = read_bake_stress_catalogue(file);
+  const std::vector<studies::BakeStressCase> catalogue = studies::read_bake_stress_catalogue(file);
   AtomicFolder folder(options.output, "chart of hard bakes", {file});
   const fs::path scratch = folder.path() / "pictures";
   fs::create_directories(scratch);
-  const std::vector<BakeStressCaseResult> results = run_bake_stress(catalogue, options.only, scratch);
+  const std::vector<studies::BakeStressCaseResult> results =
+      studies::run_bake_stress(catalogue, options.only, scratch);
   fs::remove_all(scratch);
-  write_file_atomically(folder.path() / "chart.csv", bake_stress_csv(results));
-  write_file_atomically(folder.path() / "chart.json", bake_stress_json(results));
-  draw_bake_stress(results, folder.path());
+  write_file_atomically(folder.path() / "chart.csv", studies::bake_stress_csv(results));
+  write_file_atomically(folder.path() / "chart.json", studies::bake_stress_json(results));
+  studies::draw_bake_stress(results, folder.path());
   folder.commit();
   if (common.json)
-    std::printf("%s", bake_stress_json(results).c_str());
+    std::printf("%s", studies::bake_stress_json(results).c_str());
   else
     print_stress(results, options.output);
-  for (const BakeStressCaseResult& c : results)
+  for (const studies::BakeStressCaseResult& c : results)
     if (!c.passes()) return kExitDifference;
   return kExitDone;
 }
@@ -62,9 +63,10 @@ void add_bake_stress_chart(CLI::App& chart, Commands& commands) {
   command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
       ->required();
   add_common_options(*command, commands.common);
-  command->footer(help_footer({"openhumanbrdf chart bake-stress -o stress",
-                               "openhumanbrdf chart bake-stress --case \"sliver charts\" -o stress"},
-                              "Exit code 1: a case is not within the limits that the catalogue states."));
+  command->footer(
+      program::help_footer({"openhumanbrdf chart bake-stress -o stress",
+                            "openhumanbrdf chart bake-stress --case \"sliver charts\" -o stress"},
+                           "Exit code 1: a case is not within the limits that the catalogue states."));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_stress_bake(*options, commands.common); };
   });

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/cli/commands.h"
+#include "dataset/commands/inspect.h"
 #include "dataset/model/json_text.h"
-#include "dataset/production/inspect.h"
 #include "dataset/program/help.h"
 
 namespace ohb {
@@ -19,8 +19,9 @@ int run_inspect(const Options& options, const CommonOptions& common) {
   if (!options.unit.empty()) unit = options.unit;
   Scan scan = read_scan(options.scan, MissingFiles::kReported);
   turn_up(scan, options.up);
-  const InspectReport report = inspect_scan(scan, unit, !options.up.empty());
-  const std::string text = common.json ? json_text(inspect_json(report), 2) + "\n" : inspect_text(report);
+  const commands::InspectReport report = commands::inspect_scan(scan, unit, !options.up.empty());
+  const std::string text =
+      common.json ? json_text(commands::inspect_json(report), 2) + "\n" : commands::inspect_text(report);
   std::fputs(text.c_str(), stdout);
   return 0;
 }
@@ -35,8 +36,8 @@ void add_inspect_command(CLI::App& app, Commands& commands) {
   command->add_option("--unit", options->unit, kUnitHelp);
   command->add_option("--up", options->up, kUpHelp);
   add_common_options(*command, commands.common);
-  command->footer(
-      help_footer({"openhumanbrdf inspect person.obj", "openhumanbrdf inspect bust.glb --unit m --json"}));
+  command->footer(program::help_footer(
+      {"openhumanbrdf inspect person.obj", "openhumanbrdf inspect bust.glb --unit m --json"}));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_inspect(*options, commands.common); };
   });

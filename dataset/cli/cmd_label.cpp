@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/cli/commands.h"
+#include "dataset/commands/label.h"
+#include "dataset/commands/label_serve.h"
 #include "dataset/model/error.h"
 #include "dataset/model/json_text.h"
 #include "dataset/model/scan_unit.h"
-#include "dataset/production/label.h"
-#include "dataset/production/label_serve.h"
 #include "dataset/program/help.h"
 
 namespace ohb {
@@ -25,14 +25,14 @@ int run_serve(const Options& options) {
   if (!options.rules.empty() || !options.faces.empty() || !options.truth.empty() || options.automatic ||
       !options.answers.empty() || !options.output.empty() || options.refine != "auto")
     throw InputError("", "--serve", "takes only --strokes, --unit and --up", "leave the other options out");
-  serve_labels({options.scan, options.strokes, options.unit, options.up}, std::cin, std::cout);
+  commands::serve_labels({options.scan, options.strokes, options.unit, options.up}, std::cin, std::cout);
   return 0;
 }
 
 int run_label(const Options& options, const CommonOptions& common) {
   if (options.serve) return run_serve(options);
   if (options.output.empty()) throw InputError("", "-o", "is missing", "name the folder for the regions");
-  LabelJob job;
+  commands::LabelJob job;
   job.scan = options.scan;
   job.rules = options.rules;
   job.faces = options.faces;
@@ -43,12 +43,13 @@ int run_label(const Options& options, const CommonOptions& common) {
   job.up = options.up;
   job.classes = options.classes;
   job.answers = options.answers;
-  job.refine = options.refine == "on"    ? RefineBorders::kOn
-               : options.refine == "off" ? RefineBorders::kOff
-                                         : RefineBorders::kAuto;
+  job.refine = options.refine == "on"    ? commands::RefineBorders::kOn
+               : options.refine == "off" ? commands::RefineBorders::kOff
+                                         : commands::RefineBorders::kAuto;
   job.output = options.output;
-  const LabelReport report = label_scan(job);
-  std::printf("%s", common.json ? (json_text(to_json(report), 2) + "\n").c_str() : to_text(report).c_str());
+  const commands::LabelReport report = commands::label_scan(job);
+  std::printf("%s", common.json ? (json_text(commands::to_json(report), 2) + "\n").c_str()
+                                : commands::to_text(report).c_str());
   return 0;
 }
 
@@ -84,13 +85,14 @@ void add_label_command(CLI::App& app, Commands& commands) {
                     "answer strokes as they come: JSON lines on stdin and stdout, for painting tools");
   command->add_option("-o,--output", options->output, "folder for the regions (needed, but for --serve)");
   add_common_options(*command, commands.common);
-  command->footer(help_footer({"openhumanbrdf label person.obj --rules rules.xml -o regions",
-                               "openhumanbrdf label person.obj --faces person.labels.txt --classes "
-                               "skin,hair,fabric,leather -o regions",
-                               "openhumanbrdf label person.obj --strokes strokes.xml -o regions",
-                               "openhumanbrdf label person.obj --serve"},
-                              "With none of them the names of materials and groups decide, and where these "
-                              "say nothing body, colour and texture."));
+  command->footer(
+      program::help_footer({"openhumanbrdf label person.obj --rules rules.xml -o regions",
+                            "openhumanbrdf label person.obj --faces person.labels.txt --classes "
+                            "skin,hair,fabric,leather -o regions",
+                            "openhumanbrdf label person.obj --strokes strokes.xml -o regions",
+                            "openhumanbrdf label person.obj --serve"},
+                           "With none of them the names of materials and groups decide, and where these "
+                           "say nothing body, colour and texture."));
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_label(*options, commands.common); };
   });

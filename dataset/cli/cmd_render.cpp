@@ -3,9 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/cli/commands.h"
+#include "dataset/commands/render_samples.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
-#include "dataset/production/render_samples.h"
 #include "dataset/program/help.h"
 #include "dataset/program/option_checks.h"
 
@@ -17,35 +17,35 @@ struct Options {
                              quality = "reference";
   std::vector<std::string> environments, points;
   int size_px = 512, spp = 256, bounces = 32;
-  double error = 0, tolerance = RenderJob().tolerance;
+  double error = 0, tolerance = commands::RenderJob().tolerance;
   bool tolerance_given = false, overwrites = false;
-  int max_spp = ErrorGoal().max_spp;
+  int max_spp = renderer::ErrorGoal().max_spp;
 };
 
 int run_render(const Options& options, const CommonOptions& common) {
-  RenderJob job;
+  commands::RenderJob job;
   job.model_folder = options.model;
   job.environments.assign(options.environments.begin(), options.environments.end());
   for (const std::string& point : options.points)
-    job.points.push_back(parse_point_light(point, job.points.size()));
-  job.views = parse_views(options.views);
+    job.points.push_back(commands::parse_point_light(point, job.points.size()));
+  job.views = commands::parse_views(options.views);
   job.settings.size_px = options.size_px;
   job.settings.spp = options.spp;
-  if (options.error > 0) job.goal = ErrorGoal{options.error, options.max_spp};
+  if (options.error > 0) job.goal = renderer::ErrorGoal{options.error, options.max_spp};
   job.settings.max_bounces = options.bounces;
   job.settings.adaptive = options.sampling == "adaptive";
   job.settings.subsurface = options.subsurface == "walk";
-  job.settings.shading = options.shading == "v2" ? ShadingModel::kV2 : ShadingModel::kV1;
+  job.settings.shading = options.shading == "v2" ? renderer::ShadingModel::kV2 : renderer::ShadingModel::kV1;
   job.settings.seed = common.seed;
-  job.quality = options.quality == "auto"   ? Quality::kAuto
-                : options.quality == "fast" ? Quality::kFast
-                                            : Quality::kReference;
+  job.quality = options.quality == "auto"   ? renderer::Quality::kAuto
+                : options.quality == "fast" ? renderer::Quality::kFast
+                                            : renderer::Quality::kReference;
   job.tolerance = options.tolerance;
-  if (job.quality != Quality::kAuto && options.tolerance_given)
+  if (job.quality != renderer::Quality::kAuto && options.tolerance_given)
     throw InputError("", "--tolerance", "needs --quality auto", "give both, or neither");
   job.output = options.output;
   job.overwrites = options.overwrites;
-  const RenderReport report = render_samples(job);
+  const commands::RenderReport report = commands::render_samples(job);
   if (common.json) {
     std::printf("%s", read_file(job.output / "render.json").c_str());
     return 0;
@@ -53,7 +53,7 @@ int run_render(const Options& options, const CommonOptions& common) {
   size_t done = 0;
   double seconds = 0;
   uint64_t paths = 0, rays = 0;
-  for (const RenderedView& view : report.views) {
+  for (const commands::RenderedView& view : report.views) {
     done += !view.was_there;
     seconds += view.statistics.seconds;
     paths += view.statistics.paths;
@@ -65,8 +65,8 @@ int run_render(const Options& options, const CommonOptions& common) {
     std::printf("%.1f s for the lights, %.2f million paths/s, %.2f million rays/s, loading %.1f s\n", seconds,
                 1e-6 * static_cast<double>(paths) / seconds, 1e-6 * static_cast<double>(rays) / seconds,
                 report.load_seconds);
-  for (const RenderedView& view : report.views)
-    if (const RegionError* worst = view.error.worst())
+  for (const commands::RenderedView& view : report.views)
+    if (const renderer::RegionError* worst = view.error.worst())
       std::printf("view %d: %.0f paths a pixel, relative error %.3g (%s under %s)\n", view.view,
                   view.error.spp, worst->relative_error, worst->region.c_str(), worst->light.c_str());
   return 0;
@@ -86,10 +86,10 @@ void add_render_command(CLI::App& app, Commands& commands) {
   command->add_option("--views", options->views, "N: all of N views around a turn; N:i,j,...: some of them")
       ->capture_default_str();
   command->add_option("--size", options->size_px, "width and height in pixels")
-      ->check(whole_within(1, 16384))
+      ->check(program::whole_within(1, 16384))
       ->capture_default_str();
   CLI::Option* spp = command->add_option("--spp", options->spp, "paths a pixel")
-                         ->check(whole_within(1, 1 << 24))
+                         ->check(program::whole_within(1, 1 << 24))
                          ->capture_default_str();
   CLI::Option* error =
       command
@@ -97,14 +97,14 @@ void add_render_command(CLI::App& app, Commands& commands) {
               "--error", options->error,
               "instead of --spp: paths until the estimated relative error of every light's image, and "
               "of each class in it, is below this")
-          ->check(number_within(1e-4, 1.0))
+          ->check(program::number_within(1e-4, 1.0))
           ->excludes(spp);
   command->add_option("--max-spp", options->max_spp, "paths a pixel at most with --error")
-      ->check(whole_within(16, 1 << 24))
+      ->check(program::whole_within(16, 1 << 24))
       ->needs(error)
       ->capture_default_str();
   command->add_option("--bounces", options->bounces, "indirect bounces at most")
-      ->check(whole_within(0, 1024))
+      ->check(program::whole_within(0, 1024))
       ->capture_default_str();
   command
       ->add_option("--model", options->shading,
@@ -134,12 +134,12 @@ void add_render_command(CLI::App& app, Commands& commands) {
           "--tolerance",
           [options](double tolerance) { options->tolerance = tolerance, options->tolerance_given = true; },
           "of --quality auto: root mean square change of a light's image, relative (default 0.02)")
-      ->check(number_within(1e-4, 1.0));
+      ->check(program::number_within(1e-4, 1.0));
   command->add_option("-o,--output", options->output, "folder for the samples")->required();
   command->add_flag("--overwrite", options->overwrites,
                     "replace the views in that folder if they are of other settings (else they are refused)");
   add_common_options(*command, commands.common);
-  command->footer(help_footer(
+  command->footer(program::help_footer(
       {"openhumanbrdf render model --environment studio.exr --environment sunset.exr --views 8 -o samples",
        "openhumanbrdf render model --point 100,220,200,5 --views 100:0,25 --size 256 --error 0.02 -o "
        "samples"},

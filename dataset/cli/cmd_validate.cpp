@@ -16,18 +16,18 @@ namespace {
 struct Options {
   std::string model, environment, view = "0/1", subsurface = "walk", shading = "v1", output;
   bool install_bpy = false;
-  ValidationSettings settings;
+  validation::ValidationSettings settings;
 };
 
 /// "k/n" with 0 <= k < n.
-void parse_view(const std::string& text, ValidationSettings& settings) {
+void parse_view(const std::string& text, validation::ValidationSettings& settings) {
   char rest;
   if (std::sscanf(text.c_str(), "%d/%d%c", &settings.view, &settings.view_count, &rest) != 2 ||
       settings.view < 0 || settings.view_count < 1 || settings.view >= settings.view_count)
     throw InputError("--view " + text, "", "is not k/n with 0 <= k < n", "write for example 25/100");
 }
 
-void print_summary(const Validation& v, const fs::path& output) {
+void print_summary(const validation::Validation& v, const fs::path& output) {
   std::printf("%-12s %9s  %s\n", "region", "pixels", "ours / Cycles - 1, 95 % interval");
   for (const auto& [region, work] : v.regions)
     std::printf("%-12s %9.0f  %+.3f %%  [%+.3f, %+.3f]  %d x %d paths, Cycles %d x %d\n", region.name.c_str(),
@@ -36,44 +36,44 @@ void print_summary(const Validation& v, const fs::path& output) {
   std::printf("bins of 3 x 3 px accepted: %zu of %zu (%.2f %%); outline: %zu of %zu\n",
               v.inside_bins.accepted, v.inside_bins.bins, 100 * v.inside_bins.accepted_share,
               v.band_bins.accepted, v.band_bins.bins);
-  const SpeedRatio speed = speed_at_equal_error(v);
+  const validation::SpeedRatio speed = validation::speed_at_equal_error(v);
   std::printf("an image: ours %.2f s, Cycles %.2f s; at equal error ours is %.2f times as fast\n",
               v.our_cost.wall_s, v.cycles_cost.wall_s, speed.wall);
   for (const std::string& reason : v.verdict.reasons) std::printf("%s\n", reason.c_str());
   std::printf("%s\n%s: %s\n", (output / "index.html").c_str(),
-              v.verdict.outcome == Outcome::kPass        ? "pass"
-              : v.verdict.outcome == Outcome::kUndecided ? "undecided"
-                                                         : "difference",
+              v.verdict.outcome == validation::Outcome::kPass        ? "pass"
+              : v.verdict.outcome == validation::Outcome::kUndecided ? "undecided"
+                                                                     : "difference",
               v.verdict.sentence.c_str());
 }
 
 int run_validate(Options options, const CommonOptions& common) {
-  ValidationSettings& settings = options.settings;
+  validation::ValidationSettings& settings = options.settings;
   parse_view(options.view, settings);
   settings.threads = common.threads;
   settings.subsurface = options.subsurface == "walk";
-  settings.shading = options.shading == "v2" ? ShadingModel::kV2 : ShadingModel::kV1;
-  if (options.install_bpy) install_bpy(settings.bpy);
+  settings.shading = options.shading == "v2" ? renderer::ShadingModel::kV2 : renderer::ShadingModel::kV1;
+  if (options.install_bpy) validation::install_bpy(settings.bpy);
   settings.seed = common.seed;
   const Model model = read_model(options.model, ModelParts::kForRendering);
   const Environment environment = read_environment(options.environment);
   AtomicFolder folder(options.output, "report of validate", {options.model, options.environment});
   const fs::path scratch = folder.path() / "scene";
   fs::create_directories(scratch);
-  const Validation validation = validate(model, environment, settings, scratch);
+  const validation::Validation validation = validation::validate(model, environment, settings, scratch);
   fs::remove_all(scratch);
-  write_validation(folder.path(), validation);
+  validation::write_validation(folder.path(), validation);
   folder.commit();
   if (common.json)
-    std::printf("%s", validation_json(validation).c_str());
+    std::printf("%s", validation::validation_json(validation).c_str());
   else
     print_summary(validation, options.output);
   switch (validation.verdict.outcome) {
-    case Outcome::kPass:
+    case validation::Outcome::kPass:
       return kExitDone;
-    case Outcome::kUndecided:
+    case validation::Outcome::kUndecided:
       return kExitUndecided;
-    case Outcome::kDifference:
+    case validation::Outcome::kDifference:
       break;
   }
   return kExitDifference;
@@ -84,7 +84,7 @@ int run_validate(Options options, const CommonOptions& common) {
 void add_validate_command(CLI::App& app, Commands& commands) {
   CLI::App* command = app.add_subcommand("validate", "The same view in Blender's Cycles and here, compared");
   auto options = std::make_shared<Options>();
-  ValidationSettings& settings = options->settings;
+  validation::ValidationSettings& settings = options->settings;
   command->add_option("MODEL", options->model, "folder that bake wrote")->required();
   command->add_option("--environment", options->environment, "latitude-longitude map, linear")->required();
   command
@@ -106,16 +106,16 @@ void add_validate_command(CLI::App& app, Commands& commands) {
       ->needs(bpy);
   command->add_option("--view", options->view, "view k of n around the turn, k/n")->capture_default_str();
   command->add_option("--size", settings.size_px, "width and height in pixels")
-      ->check(whole_within(8, 8192))
+      ->check(program::whole_within(8, 8192))
       ->capture_default_str();
   command->add_option("--spp", settings.spp, "paths a pixel of one image")
-      ->check(whole_within(1, kMaxCyclesSpp))
+      ->check(program::whole_within(1, validation::kMaxCyclesSpp))
       ->capture_default_str();
   command->add_option("--seeds", settings.seeds, "images a side, each with its own seed")
-      ->check(whole_within(2, 1024))
+      ->check(program::whole_within(2, 1024))
       ->capture_default_str();
   command->add_option("--bounces", settings.max_bounces, "indirect bounces at most")
-      ->check(whole_within(0, 1024))
+      ->check(program::whole_within(0, 1024))
       ->capture_default_str();
   command
       ->add_option("--subsurface", options->subsurface,
@@ -126,11 +126,11 @@ void add_validate_command(CLI::App& app, Commands& commands) {
       ->add_option(
           "--focus", settings.focus,
           "regions that are too noisy are rendered again, alone, with up to so many times the work; 1: never")
-      ->check(number_within(1.0, 1e6))
+      ->check(program::number_within(1.0, 1e6))
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "folder for the report")->required();
   add_common_options(*command, commands.common);
-  command->footer(help_footer(
+  command->footer(program::help_footer(
       {"openhumanbrdf validate model --environment studio.exr -o report",
        "openhumanbrdf validate model --environment sunset.exr --view 25/100 --size 512 --spp 256 -o report",
        "openhumanbrdf validate model --environment studio.exr --model v2 --bpy bpy45 --install-bpy -o "

@@ -19,14 +19,14 @@ namespace {
 
 int run(int argc, char** argv) {
   CLI::App app{"Ground truth of human materials: label, bake, render, validate.", "openhumanbrdf"};
-  app.formatter(std::make_shared<HelpFormatter>());
+  app.formatter(std::make_shared<program::HelpFormatter>());
   app.require_subcommand(1);
   app.set_version_flag("--version", version_text);
   Commands commands;
   commands.add_to(app);
-  app.footer(help_footer({"openhumanbrdf inspect person.obj"},
-                         "Each command has its own help: openhumanbrdf label --help"));
-  if (const std::optional<int> code = parse_command_line(app, argc, argv)) {
+  app.footer(program::help_footer({"openhumanbrdf inspect person.obj"},
+                                  "Each command has its own help: openhumanbrdf label --help"));
+  if (const std::optional<int> code = program::parse_command_line(app, argc, argv)) {
     flush_results();
     return *code;
   }
@@ -49,6 +49,6 @@ int run(int argc, char** argv) {
 }  // namespace ohb
 
 int main(int argc, char** argv) {
-  return ohb::run_program("openhumanbrdf", "use smaller maps or images",
+  return ohb::program::run_program("openhumanbrdf", "use smaller maps or images",
                           [&] { return ohb::run(argc, argv); });
 }

@@ -12,7 +12,7 @@ std::string version_text() {
   if (__builtin_cpu_supports("fma")) features += " FMA";
   if (__builtin_cpu_supports("avx512f")) features += " AVX-512";
   return "openhumanbrdf " OHB_VERSION "\nOpenImageIO " + image_library_version() + "\nEmbree " +
-         ray_library_version() + "\nprocessor features in use:" + features + "\n";
+         renderer::ray_library_version() + "\nprocessor features in use:" + features + "\n";
 }
 
 void check_processor() {

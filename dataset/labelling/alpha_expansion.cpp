@@ -5,7 +5,7 @@
 
 #include "dataset/labelling/max_flow.h"
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 /// One expansion as a problem of binary variables: 0 keeps the label, 1 takes the new one.
@@ -88,4 +88,4 @@ void minimise(const LabelEnergy& energy, std::vector<uint8_t>& labels, uint8_t f
     idle = expand(energy, static_cast<uint8_t>(label), labels) ? 1 : idle + 1;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -9,7 +9,7 @@
 
 #include "dataset/model/regions.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// One number a class.
 using ClassValues = std::array<float, kClassCount>;
@@ -37,4 +37,4 @@ bool expand(const LabelEnergy& energy, uint8_t label, std::vector<uint8_t>& labe
 /// the largest ratio of distances of the least one; in practice within per mille.
 void minimise(const LabelEnergy& energy, std::vector<uint8_t>& labels, uint8_t first = 0);
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 float squared(Vec3f v) {
@@ -114,4 +114,4 @@ ClassValues BorderDistance::distances_at(uint32_t face, uint8_t own, Vec3f point
   return nearest;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

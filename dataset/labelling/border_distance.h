@@ -7,7 +7,7 @@
 #include "dataset/model/mesh_topology.h"
 #include "dataset/model/scan.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// A piece of the border of two classes, as the side of `own` sees it.
 struct BorderPiece {
@@ -43,4 +43,4 @@ class BorderDistance {
   std::vector<BorderPiece> pieces_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::labelling

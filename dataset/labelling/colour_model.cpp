@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 using Covariance = Eigen::Matrix<float, kAppearanceCount, kAppearanceCount>;
@@ -119,4 +119,4 @@ float ColourModel::log_density(const Appearance& appearance) const {
   return highest + std::log(sum);
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

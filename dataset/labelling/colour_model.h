@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// L*, a*, b*, and the logarithm of the spread of L* in and around a face.
 constexpr int kAppearanceCount = 4;
@@ -37,4 +37,4 @@ class ColourModel {
   std::vector<Component> components_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -5,7 +5,7 @@
 
 #include "dataset/labelling/garments.h"
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 uint8_t cheapest_other(const ClassValues& cost, uint8_t than) {
@@ -67,4 +67,4 @@ std::optional<SuggestedStroke> suggest_stroke(const FaceGraph& graph, const Labe
                          best.area_cm2};
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

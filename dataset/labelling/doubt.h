@@ -7,7 +7,7 @@
 #include "dataset/labelling/alpha_expansion.h"
 #include "dataset/labelling/face_graph.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// Where a stroke helps most: the face in the middle of the largest region of doubt.
 struct SuggestedStroke {
@@ -32,4 +32,4 @@ std::optional<SuggestedStroke> suggest_stroke(const FaceGraph& graph, const Labe
                                               const std::vector<uint8_t>& face_class,
                                               const std::vector<float>& confidence);
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -5,18 +5,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/picture.h"
-#include "bake/vertex_colours.h"
 #include "dataset/model/lab_colour.h"
+#include "dataset/surface/picture.h"
+#include "dataset/surface/vertex_colours.h"
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
-bool are_usable(const UvTriangle& triangle) {
+bool are_usable(const surface::UvTriangle& triangle) {
   for (int i = 0; i < 3; ++i) {
     const Vec2f a = triangle.uv[i], b = triangle.uv[(i + 1) % 3];
-    if (!(std::abs(a.x) <= kMaxUv && std::abs(a.y) <= kMaxUv && std::abs(a.x - b.x) <= kMaxUvSpan &&
-          std::abs(a.y - b.y) <= kMaxUvSpan))
+    if (!(std::abs(a.x) <= surface::kMaxUv && std::abs(a.y) <= surface::kMaxUv &&
+          std::abs(a.x - b.x) <= surface::kMaxUvSpan && std::abs(a.y - b.y) <= surface::kMaxUvSpan))
       return false;
   }
   return true;
@@ -60,13 +60,13 @@ struct ColourSum {
 
 /// Adds each texel to the face that shows it.
 void add_texels(const MaterialTriangles& triangles, const Image& picture, std::vector<ColourSum>& sums) {
-  const TexelCoverage coverage =
-      cover_texels(triangles.uvs, picture.width_px, picture.height_px, CoveragePasses::kCentres);
+  const surface::TexelCoverage coverage = surface::cover_texels(
+      triangles.uvs, picture.width_px, picture.height_px, surface::CoveragePasses::kCentres);
   for (size_t i = 0; i < coverage.owner.size(); ++i)
-    if (coverage.owner[i] != TexelCoverage::kNone)
+    if (coverage.owner[i] != surface::TexelCoverage::kNone)
       sums[triangles.face[coverage.owner[i]]].add(&picture.values[3 * i]);
   for (uint32_t t : coverage.triangles_without_texel) {
-    const UvTriangle& uvs = triangles.uvs[t];
+    const surface::UvTriangle& uvs = triangles.uvs[t];
     const Vec3f pixel = pixel_at(picture, (uvs.uv[0] + uvs.uv[1] + uvs.uv[2]) * (1.0f / 3));
     if (sums[triangles.face[t]].count == 0) sums[triangles.face[t]].add(&pixel.x);
   }
@@ -91,11 +91,12 @@ std::vector<ColourSum> sum_over_pictures(const Scan& scan, const Convert& conver
     if (scan.materials[m].diffuse.empty()) continue;
     const MaterialTriangles of = material_triangles(scan, triangles, m);
     if (of.face.empty()) continue;
-    Image picture = read_colour_picture(scan.materials[m].diffuse);
+    Image picture = surface::read_colour_picture(scan.materials[m].diffuse);
     if (scan.materials[m].has_vertex_colours)
-      multiply_vertex_colours(
-          scan, of.corners, of.uvs,
-          cover_texels(of.uvs, picture.width_px, picture.height_px, CoveragePasses::kCentres), picture);
+      surface::multiply_vertex_colours(scan, of.corners, of.uvs,
+                                       surface::cover_texels(of.uvs, picture.width_px, picture.height_px,
+                                                             surface::CoveragePasses::kCentres),
+                                       picture);
     convert(picture);
     add_texels(of, picture, sums);
   }
@@ -109,7 +110,7 @@ MaterialTriangles material_triangles(const Scan& scan, const std::vector<ScanTri
   MaterialTriangles of;
   for (const ScanTriangle& triangle : triangles) {
     if (scan.face_material[triangle.face] != material) continue;
-    UvTriangle uvs{};
+    surface::UvTriangle uvs{};
     bool is_usable = true;
     for (int c = 0; c < 3; ++c) {
       const uint32_t uv = scan.corners[triangle.corner[c]].uv;
@@ -132,7 +133,7 @@ std::vector<Vec3f> mean_face_colours(const Scan& scan) {
   std::vector<Vec3f> colours(scan.face_count());
   for (size_t f = 0; f < colours.size(); ++f) {
     const Vec3f factor = scan.materials[scan.face_material[f]].diffuse_factor;
-    colours[f] = factor * (sums[f].count > 0 ? sums[f].mean() : mean_vertex_colour(scan, f));
+    colours[f] = factor * (sums[f].count > 0 ? sums[f].mean() : surface::mean_vertex_colour(scan, f));
   }
   return colours;
 }
@@ -145,9 +146,9 @@ std::vector<FaceColour> lab_face_colours(const Scan& scan) {
     if (sums[f].count > 0)
       colours[f] = {sums[f].mean(), sums[f].spread()};
     else
-      colours[f].lab = linear_to_lab(material.diffuse_factor * mean_vertex_colour(scan, f));
+      colours[f].lab = linear_to_lab(material.diffuse_factor * surface::mean_vertex_colour(scan, f));
   }
   return colours;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -4,17 +4,17 @@
 #include <array>
 #include <vector>
 
-#include "bake/texel_coverage.h"
 #include "dataset/model/scan.h"
 #include "dataset/model/vec.h"
+#include "dataset/surface/texel_coverage.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// The triangles of one material that have usable UVs, with their faces.
 struct MaterialTriangles {
   std::vector<uint32_t> face;
   std::vector<std::array<uint32_t, 3>> corners;  // into Scan::corners
-  std::vector<UvTriangle> uvs;
+  std::vector<surface::UvTriangle> uvs;
   size_t unusable = 0;  // missing or out of range
 };
 MaterialTriangles material_triangles(const Scan& scan, const std::vector<ScanTriangle>& triangles,
@@ -33,4 +33,4 @@ struct FaceColour {
 };
 std::vector<FaceColour> lab_face_colours(const Scan& scan);
 
-}  // namespace ohb
+}  // namespace ohb::labelling

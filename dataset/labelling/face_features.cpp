@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 constexpr size_t kMostFacesAround = 64;
@@ -87,4 +87,4 @@ std::vector<float> edge_likeness(const FaceFeatures& features) {
   return likeness;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -8,7 +8,7 @@
 #include "dataset/labelling/face_colours.h"
 #include "dataset/labelling/face_graph.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// Radius of the surroundings whose texture counts as a face's own.
 constexpr double kTextureRadius_cm = 1.5;
@@ -32,4 +32,4 @@ FaceFeatures face_features(const Scan& scan, double unit_cm);
 std::vector<float> edge_likeness(const FaceFeatures& features);
 constexpr float kLeastLikeness = 0.02f;
 
-}  // namespace ohb
+}  // namespace ohb::labelling

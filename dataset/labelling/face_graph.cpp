@@ -4,7 +4,7 @@
 #include <cmath>
 #include <unordered_map>
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 void measure_faces(const Scan& scan, float unit_cm, FaceGraph& graph) {
@@ -185,4 +185,4 @@ FaceGraph face_graph(const Scan& scan, double unit_cm) {
   return graph;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -8,7 +8,7 @@
 #include "dataset/model/mesh_topology.h"
 #include "dataset/model/scan.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// Two faces that meet, or that a bridge joins. Lengths are in cm.
 struct FaceEdge {
@@ -45,4 +45,4 @@ constexpr double kBridgeReach_cm = 0.6;
 /// `unit_cm`: cm a unit of the scan.
 FaceGraph face_graph(const Scan& scan, double unit_cm);
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 constexpr float kTold = 0.995f;  // of a garment that a stroke names
@@ -122,4 +122,4 @@ std::vector<GarmentQuestion> open_questions(const Garments& garments,
   return questions;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -8,7 +8,7 @@
 #include "dataset/labelling/garments.h"
 #include "dataset/labelling/strokes.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// The classes of a garment whose colour cannot tell them apart: "trousers, 9581 cm2: fabric or leather?"
 struct GarmentQuestion {
@@ -37,4 +37,4 @@ std::vector<GarmentQuestion> open_questions(const Garments& garments,
                                             const std::vector<ClassValues>& classes);
 constexpr float kWorthAsking = 0.0055f;
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -5,7 +5,7 @@
 
 #include "dataset/labelling/region_merging.h"
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 const Appearance kLookWidth(12, 6, 6, 0.6f);
@@ -198,4 +198,4 @@ Garments find_garments(const FaceFeatures& features, const std::vector<float>& l
   return found;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

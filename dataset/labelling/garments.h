@@ -7,7 +7,7 @@
 
 #include "dataset/labelling/label_model.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 struct Garment {
   std::string name;  // "trousers"; with "-2" where there are two of that name, the largest first
@@ -41,4 +41,4 @@ uint32_t middle_of(const FaceGraph& graph, const std::vector<uint32_t>& faces);
 /// |difference of two looks|^2 in units of what one garment varies.
 float look_difference(const Appearance& l, const Appearance& r);
 
-}  // namespace ohb
+}  // namespace ohb::labelling

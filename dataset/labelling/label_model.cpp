@@ -8,7 +8,7 @@
 #include "dataset/model/error.h"
 #include "dataset/model/json_text.h"
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -109,4 +109,4 @@ const LabelModel& installed_label_model() {
   return model;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -9,7 +9,7 @@
 
 #include "dataset/labelling/start_cues.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// Skin, hair, garment: indices 0 and 1 are those of the classes.
 constexpr int kPartCount = 3, kGarment = 2;
@@ -37,4 +37,4 @@ std::string label_model_json(const LabelModel& model);
 /// The installed one; read once.
 const LabelModel& installed_label_model();
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 constexpr float kColour = 0.5f, kWalk = 1, kBorder_cm = 1.5f;
@@ -248,4 +248,4 @@ Stroke stroke_of_answer(const Labeller& labeller, size_t garment, MaterialClass 
   return stroke;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

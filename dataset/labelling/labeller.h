@@ -19,7 +19,7 @@
 #include "dataset/labelling/stroke_reach.h"
 #include "dataset/labelling/strokes.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// Which parts of the energy count: all for use, fewer for comparisons.
 struct LabelTerms {
@@ -97,4 +97,4 @@ class Labeller {
 /// The stroke that answers for a garment: a dot in its middle.
 Stroke stroke_of_answer(const Labeller& labeller, size_t garment, MaterialClass material_class);
 
-}  // namespace ohb
+}  // namespace ohb::labelling

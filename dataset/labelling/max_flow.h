@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// Minimises sum of node terms and pair terms over binary values. Every weight must be >= 0.
 class MaxFlow {
@@ -39,4 +39,4 @@ class MaxFlow {
   cv::detail::GCGraph<double> graph_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::labelling

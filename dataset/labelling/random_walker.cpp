@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace ohb {
+namespace ohb::labelling {
 
 using Matrix = Eigen::SparseMatrix<double>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, kClassCount, Eigen::RowMajor>;
@@ -263,4 +263,4 @@ std::vector<ClassValues> RandomWalker::solve(const std::vector<ClassValues>& sta
   return values;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

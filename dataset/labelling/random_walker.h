@@ -8,7 +8,7 @@
 
 #include "dataset/labelling/alpha_expansion.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// A stroke's hold on one face.
 struct Seed {
@@ -39,4 +39,4 @@ class RandomWalker {
   std::unique_ptr<Matrices> matrices_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::labelling

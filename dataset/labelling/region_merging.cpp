@@ -6,7 +6,7 @@
 
 #include "dataset/labelling/garments.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 RegionMerging::RegionMerging(const FaceGraph& graph, const std::vector<float>& likeness,
                              const std::vector<bool>& is_in, const std::vector<Appearance>& look)
@@ -94,4 +94,4 @@ void RegionMerging::merge_crumbs(float least_cm2) {
   }
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

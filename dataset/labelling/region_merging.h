@@ -7,7 +7,7 @@
 
 #include "dataset/labelling/face_features.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 class RegionMerging {
  public:
@@ -42,4 +42,4 @@ class RegionMerging {
   std::priority_queue<Pair, std::vector<Pair>, std::greater<Pair>> open_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 BorderDistance::Reach half_widths() {
@@ -48,4 +48,4 @@ ClassValues SoftBorders::shares_at(uint32_t face, uint8_t own, Vec3f at) const {
   return odds;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -6,7 +6,7 @@
 
 #include "dataset/labelling/border_distance.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// Width in cm of the border of each pair of classes, from where one is alone to where the other is: hair
 /// thins out over 8 mm of skin and lies 3 mm over clothes; a hem is 0.8 mm.
@@ -39,4 +39,4 @@ class SoftBorders {
   BorderDistance distance_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::labelling

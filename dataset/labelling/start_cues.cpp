@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ohb {
+namespace ohb::labelling {
 
 float hue_degrees(Vec3f lab) {
   return std::atan2(lab.z, lab.y) * 57.29578f;
@@ -231,4 +231,4 @@ StartCues start_cues(const FaceFeatures& features) {
   return CueFinder(features).run();
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -7,7 +7,7 @@
 
 #include "dataset/labelling/face_features.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// Where the parts of the body are, in cm in the scan's axes (Y up, facing +Z).
 struct BodyFrame {
@@ -48,4 +48,4 @@ StartCues start_cues(const FaceFeatures& features);
 float hue_degrees(Vec3f lab);
 float chroma(Vec3f lab);
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 constexpr float kLeast = 0.01f;  // no start label is surer than the walk may overrule
@@ -33,4 +33,4 @@ StartLabels start_labels(const FaceFeatures& features, const LabelModel& model) 
   return start;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

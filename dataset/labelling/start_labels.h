@@ -6,7 +6,7 @@
 #include "dataset/labelling/label_model.h"
 #include "dataset/labelling/start_cues.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 struct StartLabels {
   BodyFrame frame;
@@ -20,4 +20,4 @@ StartLabels start_labels(const FaceFeatures& features, const LabelModel& model);
 /// How much the probabilities of one face leave open: 1 less their entropy over that of knowing nothing.
 float trust_in(const ClassValues& probability);
 
-}  // namespace ohb
+}  // namespace ohb::labelling

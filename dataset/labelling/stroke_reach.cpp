@@ -7,7 +7,7 @@
 #include <limits>
 #include <queue>
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 constexpr size_t kModes = 8;  // faces of the stroke that stand for it
@@ -74,4 +74,4 @@ std::vector<StrokeLikeness> reach_of_stroke(const FaceFeatures& features, const 
   return reach;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

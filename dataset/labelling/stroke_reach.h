@@ -6,7 +6,7 @@
 #include "dataset/labelling/face_features.h"
 #include "dataset/labelling/strokes.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// How much a face is like the faces of a stroke, in (0, 1].
 struct StrokeLikeness {
@@ -22,4 +22,4 @@ std::vector<StrokeLikeness> reach_of_stroke(const FaceFeatures& features, const 
                                             const std::vector<uint32_t>& stroke_faces);
 constexpr float kStrokeReach_cm = 40;
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -10,7 +10,7 @@
 #include "dataset/model/text_lines.h"
 #include "dataset/model/xml_document.h"
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 constexpr uint64_t kMaxFace = 0xfffffffeu;
@@ -193,4 +193,4 @@ StrokedFaces stroked_faces(const std::vector<Stroke>& strokes, const FaceGraph& 
   return result;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -18,7 +18,7 @@
 #include "dataset/labelling/face_graph.h"
 #include "dataset/model/regions.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 struct StrokePoint {
   uint32_t face;
@@ -62,4 +62,4 @@ struct StrokedFaces {
 };
 StrokedFaces stroked_faces(const std::vector<Stroke>& strokes, const FaceGraph& graph, double unit_cm);
 
-}  // namespace ohb
+}  // namespace ohb::labelling

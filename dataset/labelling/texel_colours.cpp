@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 /// Added to the variances: no class is narrower than the noise of a picture.
@@ -105,4 +105,4 @@ ClassValues LocalColours::densities_at(Vec3f point_cm, uint8_t own, Vec3f lab) c
   return density;
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -10,7 +10,7 @@
 #include "dataset/labelling/alpha_expansion.h"
 #include "dataset/model/vec.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 class LocalColours {
  public:
@@ -46,4 +46,4 @@ class LocalColours {
   std::unordered_map<uint64_t, Cell> cells_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::labelling

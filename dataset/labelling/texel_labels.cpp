@@ -10,7 +10,7 @@
 #include "dataset/labelling/texel_colours.h"
 #include "dataset/labelling/texel_surface.h"
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 constexpr float kLeastBand_cm = 0.3f,
@@ -332,4 +332,4 @@ uint8_t TexelLabels::class_at(size_t material, uint32_t face, double x, double y
                                                                             : face_class_[face];
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -12,7 +12,7 @@
 
 #include "dataset/labelling/border_distance.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// Width and height of a material's class map: those of its diffuse picture, at most kMaxClassMapEdge_px;
 /// kClassMapWithoutPicture_px without one.
@@ -74,4 +74,4 @@ class TexelLabels {
   Summary summary_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bake/picture.h"
-#include "bake/vertex_colours.h"
 #include "dataset/model/lab_colour.h"
+#include "dataset/surface/picture.h"
+#include "dataset/surface/vertex_colours.h"
 
-namespace ohb {
+namespace ohb::labelling {
 namespace {
 
 constexpr uint32_t kNoSheet = 0xffffffffu;
@@ -66,11 +66,11 @@ void TexelSurface::add_sheet(const std::vector<ScanTriangle>& triangles, size_t 
   if (sheet.triangles.unusable > 0 ||
       std::none_of(sheet.triangles.face.begin(), sheet.triangles.face.end(), is_wanted))
     return;
-  sheet.lab = read_colour_picture(scan_.materials[material].diffuse);
+  sheet.lab = surface::read_colour_picture(scan_.materials[material].diffuse);
   if (scan_.materials[material].has_vertex_colours)
-    multiply_vertex_colours(scan_, sheet.triangles.corners, sheet.triangles.uvs,
-                            cover_texels(sheet.triangles.uvs, sheet.lab.width_px, sheet.lab.height_px),
-                            sheet.lab);
+    surface::multiply_vertex_colours(
+        scan_, sheet.triangles.corners, sheet.triangles.uvs,
+        surface::cover_texels(sheet.triangles.uvs, sheet.lab.width_px, sheet.lab.height_px), sheet.lab);
   measure(sheet, sheet.lab.width_px, sheet.lab.height_px);
   std::vector<float> edges;
   for (size_t t = 0; t < sheet.steps.size(); ++t)
@@ -82,10 +82,10 @@ void TexelSurface::add_sheet(const std::vector<ScanTriangle>& triangles, size_t 
   for (double edge = *middle; edge > 0 && 2 * edge <= 1.5 * kLeastTexel_cm; edge *= 2) ++halvings;
   if (halvings > 0) {
     const int width = std::max(1, sheet.width >> halvings), height = std::max(1, sheet.height >> halvings);
-    sheet.lab = resample(std::move(sheet.lab), width, height);
+    sheet.lab = surface::resample(std::move(sheet.lab), width, height);
     measure(sheet, width, height);
   }
-  sheet.coverage = cover_texels(sheet.triangles.uvs, sheet.width, sheet.height);
+  sheet.coverage = surface::cover_texels(sheet.triangles.uvs, sheet.width, sheet.height);
   sheets_.push_back(std::move(sheet));
   Sheet& kept = sheets_.back();
   const auto s = static_cast<uint32_t>(sheets_.size() - 1);
@@ -102,9 +102,9 @@ void TexelSurface::add_sheet(const std::vector<ScanTriangle>& triangles, size_t 
 Vec3f TexelSurface::point_of(SurfaceTexel texel) const {
   const Sheet& sheet = sheets_[texel.sheet];
   const uint32_t owner = sheet.coverage.owner[texel.index];
-  const NearestPoint nearest = nearest_point_of_texel(
-      to_texel_space(sheet.triangles.uvs[owner], sheet.width, sheet.height), sheet.width, sheet.height,
-      static_cast<int>(texel.index) % sheet.width, static_cast<int>(texel.index) / sheet.width);
+  const surface::NearestPoint nearest = surface::nearest_point_of_texel(
+      surface::to_texel_space(sheet.triangles.uvs[owner], sheet.width, sheet.height), sheet.width,
+      sheet.height, static_cast<int>(texel.index) % sheet.width, static_cast<int>(texel.index) / sheet.width);
   Vec3f point;
   for (size_t c = 0; c < 3; ++c)
     point += static_cast<float>(nearest.weights[c]) *
@@ -113,7 +113,7 @@ Vec3f TexelSurface::point_of(SurfaceTexel texel) const {
 }
 
 float TexelSurface::area_cm2_of(SurfaceTexel texel) const {
-  const bool is_in = sheets_[texel.sheet].coverage.flags[texel.index] & TexelCoverage::kCentre;
+  const bool is_in = sheets_[texel.sheet].coverage.flags[texel.index] & surface::TexelCoverage::kCentre;
   return is_in ? length(cross(steps_at(texel).right, steps_at(texel).down)) : 0;
 }
 
@@ -219,4 +219,4 @@ void TexelSurface::link_along(const Side& one, const Side& two, std::vector<Texe
   }
 }
 
-}  // namespace ohb
+}  // namespace ohb::labelling

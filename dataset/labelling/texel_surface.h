@@ -6,7 +6,7 @@
 #include "dataset/model/image.h"
 #include "dataset/model/mesh_topology.h"
 
-namespace ohb {
+namespace ohb::labelling {
 
 /// A texel of a material.
 struct SurfaceTexel {
@@ -38,7 +38,7 @@ class TexelSurface {
       Vec3f right, down;
     };
     MaterialTriangles triangles;
-    TexelCoverage coverage;
+    surface::TexelCoverage coverage;
     Image lab;
     std::vector<Steps> steps;  // of the triangles
   };
@@ -46,7 +46,7 @@ class TexelSurface {
 
   bool is_there(SurfaceTexel texel) const {
     const uint32_t owner = sheets_[texel.sheet].coverage.owner[texel.index];
-    return owner != TexelCoverage::kNone && wanted_[sheets_[texel.sheet].triangles.face[owner]];
+    return owner != surface::TexelCoverage::kNone && wanted_[sheets_[texel.sheet].triangles.face[owner]];
   }
   /// Of a texel that is there: its face, the point (cm) of it nearest to the texel's centre, CIE L*a*b*, the
   /// longer edge in cm, and the area, 0 where the centre lies beside the face.
@@ -87,4 +87,4 @@ class TexelSurface {
   std::vector<Sheet> sheets_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::labelling

@@ -5,10 +5,10 @@
 #include <map>
 #include <numeric>
 
-#include "bake/padding.h"
-#include "bake/texel_coverage.h"
 #include "dataset/model/parallel.h"
 #include "dataset/people/voxel_wrap.h"
+#include "dataset/surface/padding.h"
+#include "dataset/surface/texel_coverage.h"
 
 namespace ohb::people {
 namespace {
@@ -205,25 +205,25 @@ class Source {
 };
 
 void paint(const Source& source, int size_px, ScannedPerson& out) {
-  std::vector<UvTriangle> triangles;
+  std::vector<surface::UvTriangle> triangles;
   std::vector<std::array<uint32_t, 3>> corners;
   for (uint32_t face = 0; face < out.face_count(); ++face)
     for (uint32_t k = 1; k < 3; ++k) {
       const uint32_t begin = out.face_begin[face];
       corners.push_back({begin, begin + k, begin + k + 1});
-      UvTriangle triangle;
+      surface::UvTriangle triangle;
       for (size_t i = 0; i < 3; ++i) triangle.uv[i] = out.uvs[out.corners[corners.back()[i]].uv];
       triangles.push_back(triangle);
     }
-  const TexelCoverage coverage = cover_texels(triangles, size_px, size_px);
+  const surface::TexelCoverage coverage = surface::cover_texels(triangles, size_px, size_px);
   Image image(size_px, size_px, 3);
   std::vector<uint8_t> is_covered(coverage.owner.size(), 0);
   parallel_for_each(0, size_px, [&](int y) {
     for (int x = 0; x < size_px; ++x) {
       const uint32_t owner = coverage.owner_of(x, y);
-      if (owner == TexelCoverage::kNone) continue;
+      if (owner == surface::TexelCoverage::kNone) continue;
       is_covered[static_cast<size_t>(y) * static_cast<size_t>(size_px) + static_cast<size_t>(x)] = 1;
-      const UvTriangle& t = triangles[owner];
+      const surface::UvTriangle& t = triangles[owner];
       const Vec2f uv{(static_cast<float>(x) + .5f) / static_cast<float>(size_px),
                      1 - (static_cast<float>(y) + .5f) / static_cast<float>(size_px)};
       const Vec2f ab = t.uv[1] - t.uv[0], ac = t.uv[2] - t.uv[0], ap = uv - t.uv[0];
@@ -234,7 +234,7 @@ void paint(const Source& source, int size_px, ScannedPerson& out) {
       source.colour((1 - v - w) * at(0) + v * at(1) + w * at(2), image.pixel(x, y));
     }
   });
-  pad(image, is_covered);
+  surface::pad(image, is_covered);
   out.picture = ByteImage(size_px, size_px, 3);
   for (size_t i = 0; i < image.values.size(); ++i)
     out.picture.values[i] = static_cast<uint8_t>(std::lround(std::clamp(image.values[i], 0.0f, 255.0f)));

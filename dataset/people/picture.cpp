@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "bake/padding.h"
 #include "dataset/model/colour.h"
+#include "dataset/surface/padding.h"
 
 namespace ohb::people {
 namespace {
@@ -46,7 +46,7 @@ Picture::Picture(const std::filesystem::path& file) {
   if (empty == 0)
     alpha_.clear();
   else if (empty < count)
-    pad(colour_, is_opaque);
+    surface::pad(colour_, is_opaque);
 }
 
 void Picture::texels_of(Vec2f uv, size_t (&texel)[4], float (&weight)[4]) const {

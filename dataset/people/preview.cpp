@@ -68,20 +68,20 @@ ByteImage preview(const ScannedPerson& scan, int size_px) {
       model.triangles.push_back(triangle);
     }
   model.sets.push_back(small_maps(scan.picture));
-  RenderSettings settings;
+  renderer::RenderSettings settings;
   settings.size_px = size_px;
   settings.spp = 16;
   settings.max_bounces = 1;
   settings.subsurface = false;
-  const auto scene = build_scene(model);
-  const auto lights = prepare_lights({soft_light()}, {});
+  const auto scene = renderer::build_scene(model);
+  const auto lights = renderer::prepare_lights({soft_light()}, {});
   const Camera camera = fit_camera(model.positions_cm);
-  const Sample maps = render_maps(*scene, camera, 0, [&] {
-    RenderSettings coarse = settings;
+  const Sample maps = renderer::render_maps(*scene, camera, 0, [&] {
+    renderer::RenderSettings coarse = settings;
     coarse.map_grid = 2;
     return coarse;
   }());
-  const std::vector<SampleLight> images = render_lights(*scene, *lights, camera, 0, settings);
+  const std::vector<SampleLight> images = renderer::render_lights(*scene, *lights, camera, 0, settings);
   ByteImage out(size_px, size_px, 3);
   constexpr float kBackground = .35f;
   for (size_t i = 0; i < static_cast<size_t>(size_px) * static_cast<size_t>(size_px); ++i)

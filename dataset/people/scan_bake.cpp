@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include "bake/padding.h"
-#include "bake/texel_coverage.h"
 #include "dataset/model/colour.h"
 #include "dataset/people/looks.h"
 #include "dataset/people/visible_faces.h"
+#include "dataset/surface/padding.h"
+#include "dataset/surface/texel_coverage.h"
 
 namespace ohb::people {
 namespace {
@@ -69,7 +69,7 @@ class Painter {
       const uint32_t count = mesh.face_begin[face.face + 1] - mesh.face_begin[face.face];
       for (uint32_t k = 1; k + 1 < count; ++k) {
         shown_.push_back({f, {0, k, k + 1}});
-        UvTriangle triangle;
+        surface::UvTriangle triangle;
         for (int i = 0; i < 3; ++i)
           triangle.uv[i] = atlas.uvs[atlas.corner_uv[face.first_corner + shown_.back().corner[i]]];
         triangles_.push_back(triangle);
@@ -79,18 +79,18 @@ class Painter {
 
   ByteImage paint() const {
     const int size = atlas_.size_px;
-    const TexelCoverage coverage = cover_texels(triangles_, size, size);
+    const surface::TexelCoverage coverage = surface::cover_texels(triangles_, size, size);
     Image linear(size, size, 3);
     std::vector<uint8_t> is_covered(coverage.owner.size(), 0);
     for (int y = 0; y < size; ++y)
       for (int x = 0; x < size; ++x) {
         const uint32_t owner = coverage.owner_of(x, y);
-        if (owner == TexelCoverage::kNone) continue;
+        if (owner == surface::TexelCoverage::kNone) continue;
         is_covered[static_cast<size_t>(y) * static_cast<size_t>(size) + static_cast<size_t>(x)] = 1;
         const Vec3f colour = colour_of_texel(owner, x, y);
         for (int c = 0; c < 3; ++c) linear.pixel(x, y)[c] = colour[c];
       }
-    pad(linear, is_covered);
+    surface::pad(linear, is_covered);
     return encoded(linear);
   }
 
@@ -130,7 +130,7 @@ class Painter {
   }
 
   /// Barycentric weights, moved into the triangle.
-  static void weights_in(const UvTriangle& t, Vec2f uv, float (&weight)[3]) {
+  static void weights_in(const surface::UvTriangle& t, Vec2f uv, float (&weight)[3]) {
     const Vec2f ab = t.uv[1] - t.uv[0], ac = t.uv[2] - t.uv[0], ap = uv - t.uv[0];
     const float area = cross(ab, ac);
     weight[1] = area != 0 ? std::clamp(cross(ap, ac) / area, 0.0f, 1.0f) : 0;
@@ -164,7 +164,7 @@ class Painter {
   std::vector<std::vector<float>> shades_;
   std::unique_ptr<Brows> brows_;
   std::vector<Shown> shown_;
-  std::vector<UvTriangle> triangles_;
+  std::vector<surface::UvTriangle> triangles_;
 };
 
 /// Positions that the kept faces use, faces and classes, in the atlas's order.

@@ -1,6 +1,6 @@
 #include "dataset/people/surface_query.h"
 
-#include "renderer/embree_compat.h"
+#include "dataset/surface/embree_compat.h"
 
 namespace ohb::people {
 
@@ -55,7 +55,7 @@ SurfaceHit SurfaceQuery::first_hit(Vec3f origin, Vec3f direction, float reach_cm
   ray.ray = {origin.x,    origin.y, origin.z, 0,           direction.x, direction.y,
              direction.z, 0,        reach_cm, 0xffffffffu, 0,           0};
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  intersect_one(bvh_->scene, ray);
+  surface::intersect_one(bvh_->scene, ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return found;
   return {true, ray.hit.primID, ray.hit.u, ray.hit.v, ray.ray.tfar, normal(ray.hit.primID)};
 }
@@ -64,7 +64,7 @@ bool SurfaceQuery::is_blocked(Vec3f origin, Vec3f direction, float reach_cm) con
   if (triangles_.empty()) return false;
   RTCRay ray{origin.x,    origin.y, origin.z, 0,           direction.x, direction.y,
              direction.z, 0,        reach_cm, 0xffffffffu, 0,           0};
-  occluded_one(bvh_->scene, ray);
+  surface::occluded_one(bvh_->scene, ray);
   return ray.tfar < 0;
 }
 

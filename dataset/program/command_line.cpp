@@ -6,7 +6,7 @@
 #include "dataset/model/error.h"
 #include "dataset/program/help.h"
 
-namespace ohb {
+namespace ohb::program {
 namespace {
 
 /// Letters to insert, leave out, replace, or exchange with a neighbour.
@@ -102,4 +102,4 @@ std::optional<std::string> nearest_name(const std::string& word, const std::vect
   return best;
 }
 
-}  // namespace ohb
+}  // namespace ohb::program

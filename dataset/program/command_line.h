@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace ohb {
+namespace ohb::program {
 
 /// Parses into `app`, whose name is the program's. Nothing if a command is to be run; else the exit code:
 /// help and version are printed (0), bad usage is one line on stderr (kExitBadInput).
@@ -17,4 +17,4 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
 /// with it.
 std::optional<std::string> nearest_name(const std::string& word, const std::vector<std::string>& names);
 
-}  // namespace ohb
+}  // namespace ohb::program

@@ -17,7 +17,7 @@
 #include "dataset/model/error.h"
 #include "dataset/model/interrupt.h"
 
-namespace ohb {
+namespace ohb::program {
 namespace fs = std::filesystem;
 namespace {
 
@@ -149,4 +149,4 @@ int run_program(const std::string& program, const char* memory_mend, const std::
   return end.code;
 }
 
-}  // namespace ohb
+}  // namespace ohb::program

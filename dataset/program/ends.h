@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-namespace ohb {
+namespace ohb::program {
 
 /// The body of main(): catches signals, runs `body` and returns its code. What it throws, or a library's
 /// thread throws with nobody to catch it, becomes "program: words" and a code: bad input 2, stopped or no
@@ -12,4 +12,4 @@ namespace ohb {
 /// because it finds no memory or no thread gives 75 too.
 int run_program(const std::string& program, const char* memory_mend, const std::function<int()>& body);
 
-}  // namespace ohb
+}  // namespace ohb::program

@@ -2,7 +2,7 @@
 
 #include <sstream>
 
-namespace ohb {
+namespace ohb::program {
 namespace {
 
 constexpr size_t kTextColumn = 28;
@@ -92,4 +92,4 @@ std::string help_footer(const std::vector<std::string>& commands, const std::str
   return text;
 }
 
-}  // namespace ohb
+}  // namespace ohb::program

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace ohb {
+namespace ohb::program {
 
 constexpr size_t kHelpWidth = 80;
 
@@ -24,4 +24,4 @@ std::string help_footer(const std::vector<std::string>& commands, const std::str
 /// Lines of at most `width` characters, broken at blanks; a line break in the text is kept.
 std::vector<std::string> wrapped(const std::string& text, size_t width);
 
-}  // namespace ohb
+}  // namespace ohb::program

@@ -4,7 +4,7 @@
 
 #include <charconv>
 
-namespace ohb {
+namespace ohb::program {
 namespace {
 
 template <typename Number>
@@ -31,4 +31,4 @@ CLI::Validator whole_within(uint64_t low, uint64_t high) {
   return within<uint64_t>(low, high, "whole number");
 }
 
-}  // namespace ohb
+}  // namespace ohb::program

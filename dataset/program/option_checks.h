@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 
-namespace ohb {
+namespace ohb::program {
 
 /// A number from `low` to `high`, both included. NaN, infinite, empty and what is no number at all is refused
 /// (CLI::Range lets NaN through, and words that run over are cut).
@@ -13,4 +13,4 @@ CLI::Validator number_within(double low, double high);
 /// A whole number from `low` to `high`, both included.
 CLI::Validator whole_within(uint64_t low, uint64_t high);
 
-}  // namespace ohb
+}  // namespace ohb::program

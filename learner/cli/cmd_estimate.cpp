@@ -13,19 +13,19 @@ namespace ohb::learner {
 namespace {
 
 struct Arguments {
-  EstimateOptions estimate;
+  learner::EstimateOptions estimate;
   std::string photo, mask, output;
   std::vector<std::string> weights;
 };
 
 int run_estimate(Arguments arguments, const CommonOptions& common) {
-  EstimateOptions& o = arguments.estimate;
+  learner::EstimateOptions& o = arguments.estimate;
   o.photo = arguments.photo;
   if (!arguments.mask.empty()) o.mask = arguments.mask;
   o.weights.assign(arguments.weights.begin(), arguments.weights.end());
   o.output = arguments.output;
   use_threads(common.threads);
-  const EstimateReport report = estimate(o);
+  const learner::EstimateReport report = learner::estimate(o);
   if (common.json) {
     const nlohmann::json json = {
         {"maps", arguments.output},
@@ -58,15 +58,15 @@ void add_estimate_command(CLI::App& app, Commands& commands) {
   command
       ->add_option("--size", arguments->estimate.size_px,
                    "pixels of a side of the maps, a multiple of 16 (default: as trained)")
-      ->check(whole_within(16, 4096));
+      ->check(program::whole_within(16, 4096));
   command
       ->add_option("--height", arguments->estimate.person_height_cm,
                    "height in cm of what the mask covers; sets the scale")
-      ->check(number_within(1, 1000))
+      ->check(program::number_within(1, 1000))
       ->capture_default_str();
   command->add_option("-o,--output", arguments->output, "folder for the maps")->required();
   add_common_options(*command, commands.common);
-  command->footer(help_footer(
+  command->footer(program::help_footer(
       {"humanmaterial estimate cutout.png --weights runs/geometry runs/albedo runs/rss runs/finetune -o maps",
        "humanmaterial estimate photo.jpg --mask mask.png --weights weights/*.safetensors --height 182 -o "
        "maps"}));

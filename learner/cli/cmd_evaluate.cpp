@@ -18,7 +18,7 @@ namespace ohb::learner {
 namespace {
 
 struct Arguments {
-  EvaluateOptions evaluate;
+  learner::EvaluateOptions evaluate;
   std::vector<std::string> weights, environments;
   std::string data, output;
   bool no_relight = false;
@@ -32,7 +32,7 @@ std::vector<std::filesystem::path> inputs_of(const Arguments& arguments) {
 }
 
 int run_evaluate(Arguments arguments, const CommonOptions& common) {
-  EvaluateOptions& o = arguments.evaluate;
+  learner::EvaluateOptions& o = arguments.evaluate;
   o.weights.assign(arguments.weights.begin(), arguments.weights.end());
   o.data = arguments.data;
   o.relit.environments.assign(arguments.environments.begin(), arguments.environments.end());
@@ -42,11 +42,11 @@ int run_evaluate(Arguments arguments, const CommonOptions& common) {
   if (common.threads > 0)
     limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
                                                   static_cast<size_t>(common.threads));
-  warn_of_slow_blas();
+  learner::warn_of_slow_blas();
   std::optional<AtomicFolder> folder;
   if (!arguments.output.empty()) folder.emplace(arguments.output, "evaluation", inputs_of(arguments));
-  const EvaluationReport report = evaluate(o);
-  const std::string json = json_text(json_of(report), 2) + "\n", table = table_of(report);
+  const learner::EvaluationReport report = learner::evaluate(o);
+  const std::string json = json_text(learner::json_of(report), 2) + "\n", table = learner::table_of(report);
   if (folder) {
     write_file_atomically(folder->path() / "evaluation.json", json);
     write_file_atomically(folder->path() / "evaluation.md", table);
@@ -82,7 +82,7 @@ void add_evaluate_command(CLI::App& app, Commands& commands) {
   command
       ->add_option("--size", arguments->evaluate.size_px,
                    "pixels of a side, a multiple of 16 (default: as trained)")
-      ->check(whole_within(16, 8192));
+      ->check(program::whole_within(16, 8192));
   command
       ->add_option("--environment", arguments->environments,
                    "latitude-longitude map to relight by; may be repeated (default: our studio and sunset)")
@@ -90,18 +90,18 @@ void add_evaluate_command(CLI::App& app, Commands& commands) {
   command
       ->add_option("--relight-views", arguments->evaluate.relit.views_a_person,
                    "views a person that are relit, evenly around the turn")
-      ->check(whole_within(0, 1 << 20))
+      ->check(program::whole_within(0, 1 << 20))
       ->capture_default_str();
   command->add_option("--relight-spp", arguments->evaluate.relit.spp, "paths a pixel of relit pictures")
-      ->check(whole_within(1, 1 << 24))
+      ->check(program::whole_within(1, 1 << 24))
       ->capture_default_str();
   command->add_flag("--no-relight", arguments->no_relight, "leave relighting out");
   command->add_option("-o,--output", arguments->output, "folder for evaluation.json and evaluation.md");
   add_common_options(*command, commands.common);
-  command->footer(
-      help_footer({"humanmaterial evaluate runs/geometry runs/albedo runs/rss --data dataset -o report",
-                   "humanmaterial evaluate runs/geometry runs/albedo runs/rss runs/finetune --data dataset "
-                   "--person ada --json"}));
+  command->footer(program::help_footer(
+      {"humanmaterial evaluate runs/geometry runs/albedo runs/rss --data dataset -o report",
+       "humanmaterial evaluate runs/geometry runs/albedo runs/rss runs/finetune --data dataset "
+       "--person ada --json"}));
   command->callback([arguments, &commands] {
     commands.run = [arguments, &commands] { return run_evaluate(*arguments, commands.common); };
   });

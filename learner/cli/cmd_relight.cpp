@@ -12,19 +12,19 @@ namespace ohb::learner {
 namespace {
 
 struct Arguments {
-  RelightOptions relight;
+  learner::RelightOptions relight;
   std::string maps, environment, blender, output;
 };
 
 int run_relight(Arguments arguments, const CommonOptions& common) {
-  RelightOptions& o = arguments.relight;
+  learner::RelightOptions& o = arguments.relight;
   o.maps = arguments.maps;
   o.environment = arguments.environment;
   o.blender = arguments.blender;
   o.output = arguments.output;
   o.seed = common.seed;
   o.threads = common.threads;
-  const nlohmann::json report = relight(o);
+  const nlohmann::json report = learner::relight(o);
   if (common.json) {
     std::printf("%s\n", json_text(report, 2).c_str());
     return 0;
@@ -38,15 +38,15 @@ int run_relight(Arguments arguments, const CommonOptions& common) {
 }
 
 void add_light_options(CLI::App& command, Arguments& arguments) {
-  RelightOptions& o = arguments.relight;
+  learner::RelightOptions& o = arguments.relight;
   command.add_option("--environment", arguments.environment, "latitude-longitude picture, linear EXR or HDR");
   command
       .add_option("--rotation", o.rotation_deg,
                   "degrees by which it turns; after 90, light from the viewer comes from the right")
-      ->check(number_within(-36000, 36000))
+      ->check(program::number_within(-36000, 36000))
       ->capture_default_str();
   command.add_option("--strength", o.strength, "factor on the environment")
-      ->check(number_within(0, 1e6))
+      ->check(program::number_within(0, 1e6))
       ->capture_default_str();
   command.add_option("--point", o.points, "point light x,y,z,I: cm, and irradiance at 1 m; may be repeated")
       ->allow_extra_args(false);
@@ -61,7 +61,7 @@ void add_relight_command(CLI::App& app, Commands& commands) {
   CLI::App* command =
       app.add_subcommand("relight", "The estimated person in Blender, relit and edited, without a window");
   auto arguments = std::make_shared<Arguments>();
-  RelightOptions& o = arguments->relight;
+  learner::RelightOptions& o = arguments->relight;
   command->add_option("MAPS", arguments->maps, "folder that estimate wrote")->required();
   add_light_options(*command, *arguments);
   command
@@ -69,21 +69,21 @@ void add_relight_command(CLI::App& app, Commands& commands) {
                    "CLASS:PRESET or CLASS:#rrggbb; CLASS is skin, hair, fabric or leather; may be repeated")
       ->allow_extra_args(false);
   command->add_option("--subsurface-scale", o.subsurface_scale, "factor on the subsurface map")
-      ->check(number_within(0, 1000))
+      ->check(program::number_within(0, 1000))
       ->capture_default_str();
   command->add_option("--size", o.size_px, "width of the picture in pixels (default: that of the maps)")
-      ->check(whole_within(1, 16384));
+      ->check(program::whole_within(1, 16384));
   command->add_option("--spp", o.spp, "samples a pixel")
-      ->check(whole_within(1, 1 << 20))
+      ->check(program::whole_within(1, 1 << 20))
       ->capture_default_str();
   command->add_option("--blender", arguments->blender,
                       "program of Blender 3.4 or later (default: blender in PATH)");
   command->add_option("-o,--output", arguments->output, "picture, .png or .exr")->required();
   add_common_options(*command, commands.common, INT32_MAX);
-  command->footer(
-      help_footer({"humanmaterial relight maps --environment sunset.exr --rotation 40 -o relit.png",
-                   "humanmaterial relight maps --point 100,220,200,5 --edit fabric:shiny_leather --edit "
-                   "hair:auburn -o edited.png"}));
+  command->footer(program::help_footer(
+      {"humanmaterial relight maps --environment sunset.exr --rotation 40 -o relit.png",
+       "humanmaterial relight maps --point 100,220,200,5 --edit fabric:shiny_leather --edit "
+       "hair:auburn -o edited.png"}));
   command->callback([arguments, &commands] {
     commands.run = [arguments, &commands] { return run_relight(*arguments, commands.common); };
   });

@@ -17,37 +17,38 @@ namespace {
 constexpr uint64_t kMostSteps = 1'000'000'000'000;
 
 struct Arguments {
-  TrainOptions train;
+  learner::TrainOptions train;
   std::string task, data, output, guidance = "truth";
   std::vector<std::string> priors;
 };
 
-void print_size(const TrainOptions& o) {
-  const Network network = make_network(o.task, o.width);
-  const int64_t multiplies = multiplies_at(
+void print_size(const learner::TrainOptions& o) {
+  const learner::Network network = learner::make_network(o.task, o.width);
+  const int64_t multiplies = learner::multiplies_at(
       [&](int64_t size) {
         network.forward(torch::zeros({1, 4, size, size}), torch::zeros({1, 10, size, size}));
       },
       o.size_px);
   std::fprintf(stderr, "%s, width %g: %.2f million parameters, %.2f billion multiplies at %d x %d\n",
-               name_of(o.task), o.width, 1e-6 * static_cast<double>(parameter_count(network.module())),
+               learner::name_of(o.task), o.width,
+               1e-6 * static_cast<double>(learner::parameter_count(network.module())),
                1e-9 * static_cast<double>(multiplies), o.size_px, o.size_px);
 }
 
 int run_train(Arguments arguments, const CommonOptions& common) {
-  TrainOptions& o = arguments.train;
-  o.task = task_from_name(arguments.task);
+  learner::TrainOptions& o = arguments.train;
+  o.task = learner::task_from_name(arguments.task);
   o.data = arguments.data;
   o.run = arguments.output;
-  o.guidance = arguments.guidance == "priors" ? Guidance::kPriors : Guidance::kTruth;
+  o.guidance = arguments.guidance == "priors" ? learner::Guidance::kPriors : learner::Guidance::kTruth;
   o.priors.assign(arguments.priors.begin(), arguments.priors.end());
   o.seed = common.seed;
   o.threads = common.threads;
   use_threads(common.threads);
-  warn_of_slow_blas();
-  check_train_options(o);
+  learner::warn_of_slow_blas();
+  learner::check_train_options(o);
   print_size(o);
-  const TrainReport report = train(o);
+  const learner::TrainReport report = learner::train(o);
   const int64_t done = report.steps - report.first_step;
   const double wait = report.seconds > 0 ? report.data_wait_s / report.seconds : 0;
   if (common.json) {
@@ -68,31 +69,31 @@ int run_train(Arguments arguments, const CommonOptions& common) {
   return 0;
 }
 
-void add_schedule(CLI::App& command, TrainOptions& o) {
+void add_schedule(CLI::App& command, learner::TrainOptions& o) {
   command.add_option("--width", o.width, "width of the network; 1 is the paper's")
-      ->check(number_within(0.05, 4))
+      ->check(program::number_within(0.05, 4))
       ->capture_default_str();
   command
       .add_option("--size", o.size_px, "pixels of a side, a multiple of 16 that divides the samples' size")
-      ->check(whole_within(16, 8192))
+      ->check(program::whole_within(16, 8192))
       ->capture_default_str();
   command.add_option("--batch", o.batch, "samples a step")
-      ->check(whole_within(1, 65536))
+      ->check(program::whole_within(1, 65536))
       ->capture_default_str();
   command.add_option("--steps", o.steps, "steps in all (default: by --epochs)")
-      ->check(whole_within(1, kMostSteps));
+      ->check(program::whole_within(1, kMostSteps));
   command.add_option("--epochs", o.epochs, "passes over the training views")
-      ->check(whole_within(1, 1'000'000))
+      ->check(program::whole_within(1, 1'000'000))
       ->capture_default_str();
   command.add_option("--learning-rate", o.learning_rate, "of AdamW")
-      ->check(number_within(1e-12, 10))
+      ->check(program::number_within(1e-12, 10))
       ->capture_default_str();
   command.add_option("--warmup", o.warmup, "steps over which it rises; a tenth of all at most")
-      ->check(whole_within(0, kMostSteps))
+      ->check(program::whole_within(0, kMostSteps))
       ->capture_default_str();
   command.add_flag("--cosine", o.cosine, "let it fall to 1e-6 by the last step (the paper holds it)");
   command.add_option("--render-weight", o.render_weight, "weight of the rendering loss")
-      ->check(number_within(0, 1e6))
+      ->check(program::number_within(0, 1e6))
       ->capture_default_str();
   command.add_flag("--linear-render-loss", o.linear_render,
                    "L1 of radiance, as in the paper, not of ln(1 + radiance)");
@@ -103,13 +104,13 @@ void add_schedule(CLI::App& command, TrainOptions& o) {
   command.add_flag("--recolour", o.recolour,
                    "give half of the examples other colours (the paper does not): for few people");
   command.add_option("--checkpoint-every", o.checkpoint_every, "steps between checkpoints")
-      ->check(whole_within(1, kMostSteps))
+      ->check(program::whole_within(1, kMostSteps))
       ->capture_default_str();
   command.add_option("--log-every", o.log_every, "steps between log lines")
-      ->check(whole_within(1, kMostSteps))
+      ->check(program::whole_within(1, kMostSteps))
       ->capture_default_str();
   command.add_option("--loader-threads", o.loader_threads, "threads that read samples")
-      ->check(whole_within(1, 256))
+      ->check(program::whole_within(1, 256))
       ->capture_default_str();
 }
 
@@ -133,7 +134,7 @@ void add_train_command(CLI::App& app, Commands& commands) {
                       "finetune with --guidance priors: three runs or weights");
   add_schedule(*command, arguments->train);
   add_common_options(*command, commands.common);
-  command->footer(help_footer(
+  command->footer(program::help_footer(
       {"humanmaterial train geometry --data dataset --size 128 --width 0.25 --epochs 20 -o runs/geometry",
        "humanmaterial train finetune --data dataset --guidance priors --priors runs/geometry runs/albedo "
        "runs/rss -o runs/finetune"},

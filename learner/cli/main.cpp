@@ -28,14 +28,14 @@ std::string version_text() {
 int run(int argc, char** argv) {
   CLI::App app{"Materials of people from one photograph: train, evaluate, estimate, relight.",
                "humanmaterial"};
-  app.formatter(std::make_shared<HelpFormatter>());
+  app.formatter(std::make_shared<program::HelpFormatter>());
   app.require_subcommand(1);
   app.set_version_flag("--version", version_text);
   Commands commands;
   commands.add_to(app);
-  app.footer(help_footer({"humanmaterial train geometry --data dataset -o runs/geometry"},
-                         "Each command has its own help: humanmaterial train --help"));
-  if (const std::optional<int> code = parse_command_line(app, argc, argv)) {
+  app.footer(program::help_footer({"humanmaterial train geometry --data dataset -o runs/geometry"},
+                                  "Each command has its own help: humanmaterial train --help"));
+  if (const std::optional<int> code = program::parse_command_line(app, argc, argv)) {
     flush_results();
     return *code;
   }
@@ -61,6 +61,6 @@ void wait_without_spinning(char** argv) {
 
 int main(int argc, char** argv) {
   ohb::learner::wait_without_spinning(argv);
-  return ohb::run_program("humanmaterial", "use a smaller --size, --width or --batch",
+  return ohb::program::run_program("humanmaterial", "use a smaller --size, --width or --batch",
                           [&] { return ohb::learner::run(argc, argv); });
 }

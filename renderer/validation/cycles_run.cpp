@@ -10,7 +10,7 @@
 #include "dataset/model/error.h"
 #include "dataset/model/json_text.h"
 
-namespace ohb {
+namespace ohb::validation {
 namespace fs = std::filesystem;
 using nlohmann::json;
 namespace {
@@ -20,8 +20,8 @@ struct KnownBlender {
   int major, minor;
   std::string mend;
 };
-KnownBlender known_blender(ShadingModel shading) {
-  if (shading == ShadingModel::kV1)
+KnownBlender known_blender(renderer::ShadingModel shading) {
+  if (shading == renderer::ShadingModel::kV1)
     return {3, 4, "install Debian 12's package (apt install blender) or name Blender 3.4 with --blender"};
   return {
       4, 5,
@@ -92,12 +92,12 @@ CyclesRun read_report(const fs::path& renders) {
 
 }  // namespace
 
-Blender find_blender(const fs::path& program, ShadingModel shading) {
+Blender find_blender(const fs::path& program, renderer::ShadingModel shading) {
   const KnownBlender known = known_blender(shading);
   return checked(ask_blender(program, known.mend), known);
 }
 
-Blender find_bpy(const fs::path& environment, ShadingModel shading) {
+Blender find_bpy(const fs::path& environment, renderer::ShadingModel shading) {
   const KnownBlender known = known_blender(shading);
   return checked(ask_bpy(environment, known.mend), known);
 }
@@ -107,7 +107,7 @@ void install_bpy(const fs::path& environment) {
   constexpr const char* kPackage = "bpy==4.5.15";
   if (fs::exists(environment)) {
     try {
-      find_bpy(environment, ShadingModel::kV2);
+      find_bpy(environment, renderer::ShadingModel::kV2);
       return;
     } catch (const InputError&) {
       throw InputError(environment.string(), "", "is there, and does not have Blender 4.5 as a module",
@@ -121,7 +121,7 @@ void install_bpy(const fs::path& environment) {
                  "Blender 4.5 has no module for others");
     run_or_throw({(environment / "bin/pip").string(), "install", "--disable-pip-version-check", kPackage},
                  "check the network, or install bpy 4.5 in a Python 3.11 environment yourself");
-    find_bpy(environment, ShadingModel::kV2);
+    find_bpy(environment, renderer::ShadingModel::kV2);
   } catch (...) {
     fs::remove_all(environment);
     throw;
@@ -156,4 +156,4 @@ CyclesRun run_cycles(const Blender& blender, const fs::path& folder, int threads
                       "free some space and run the command again");
 }
 
-}  // namespace ohb
+}  // namespace ohb::validation

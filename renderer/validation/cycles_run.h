@@ -11,14 +11,15 @@
 #include "dataset/model/image.h"
 #include "renderer/render.h"
 
-namespace ohb {
+namespace ohb::validation {
 
 /// Asks the program (empty: `blender` in PATH) for its version. Throws InputError if it cannot be started
 /// or is not the version whose Cycles the model equals: 3.4 for v1, 4.5 for v2.
-Blender find_blender(const std::filesystem::path& program, ShadingModel shading = ShadingModel::kV1);
+Blender find_blender(const std::filesystem::path& program,
+                     renderer::ShadingModel shading = renderer::ShadingModel::kV1);
 
 /// The same for a virtual environment that has Blender as the Python module bpy.
-Blender find_bpy(const std::filesystem::path& environment, ShadingModel shading);
+Blender find_bpy(const std::filesystem::path& environment, renderer::ShadingModel shading);
 
 /// Makes `environment` and installs the module of Blender 4.5 there, from PyPI (about 400 MB; needs Python
 /// 3.11). Does nothing where a module of that version is. Throws InputError if it cannot; what was there
@@ -51,4 +52,4 @@ struct CyclesRun {
 CyclesRun run_cycles(const Blender& blender, const std::filesystem::path& folder, int threads,
                      const std::function<void(double images)>& done = nullptr);
 
-}  // namespace ohb
+}  // namespace ohb::validation

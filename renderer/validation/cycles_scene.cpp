@@ -7,9 +7,9 @@
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/json_text.h"
-#include "renderer/sampling.h"
+#include "dataset/model/sampling.h"
 
-namespace ohb {
+namespace ohb::validation {
 namespace fs = std::filesystem;
 using nlohmann::json;
 namespace {
@@ -113,9 +113,9 @@ json write_environment(const fs::path& folder, const Environment* environment) {
   return {{"file", "environment.exr"}, {"width_px", environment->radiance.width_px}};
 }
 
-json describe_points(const std::vector<PointLight>& points) {
+json describe_points(const std::vector<renderer::PointLight>& points) {
   json list = json::array();
-  for (const PointLight& point : points)
+  for (const renderer::PointLight& point : points)
     list.push_back({{"position", to_json(to_blender(point.position_cm))},
                     {"intensity", to_json({point.intensity, point.intensity, point.intensity})}});
   return list;
@@ -131,7 +131,7 @@ json describe_camera(const Camera& camera) {
 
 json describe_pass(const CyclesPass& pass) {
   json boxes = json::array();
-  for (const PixelBox& box : pass.boxes) boxes.push_back({box.x0, box.y0, box.x1, box.y1});
+  for (const renderer::PixelBox& box : pass.boxes) boxes.push_back({box.x0, box.y0, box.x1, box.y1});
   return {{"spp", pass.spp},
           {"seeds", pass.seeds},
           {"boxes", boxes},
@@ -152,7 +152,7 @@ std::vector<uint32_t> cycles_seeds(uint64_t seed, int count) {
 void write_cycles_scene(const fs::path& folder, const CyclesScene& scene) {
   fs::create_directories(folder / "maps");
   json description = {{"format", "openhumanbrdf validation scene 1"},
-                      {"model", scene.shading == ShadingModel::kV1 ? "v1" : "v2"},
+                      {"model", scene.shading == renderer::ShadingModel::kV1 ? "v1" : "v2"},
                       {"mesh", write_mesh(folder, *scene.model)},
                       {"texture_sets", json::array()},
                       {"sss_scale", scene.subsurface ? 1.0 : 0.0},
@@ -171,4 +171,4 @@ void write_cycles_scene(const fs::path& folder, const CyclesScene& scene) {
   write_file_atomically(folder / "scene.json", json_text(description, 1) + "\n");
 }
 
-}  // namespace ohb
+}  // namespace ohb::validation

@@ -12,14 +12,14 @@
 #include "dataset/model/model.h"
 #include "renderer/render.h"
 
-namespace ohb {
+namespace ohb::validation {
 
 /// One round of images over all or some pixels.
 struct CyclesPass {
-  int spp = 128;                  // at most kMaxCyclesSpp
-  std::vector<uint32_t> seeds;    // below 2^31; one image each
-  std::vector<PixelBox> boxes;    // apart from each other; none: the whole image
-  double adaptive_threshold = 0;  // above 0: Cycles stops pixels early, which biases it a little
+  int spp = 128;                          // at most kMaxCyclesSpp
+  std::vector<uint32_t> seeds;            // below 2^31; one image each
+  std::vector<renderer::PixelBox> boxes;  // apart from each other; none: the whole image
+  double adaptive_threshold = 0;          // above 0: Cycles stops pixels early, which biases it a little
 };
 constexpr int kMaxCyclesSpp = 8192;  // Cycles' sampling tables end there
 
@@ -32,12 +32,12 @@ enum class CyclesNumbers {
 struct CyclesScene {
   const Model* model = nullptr;
   const Environment* environment = nullptr;  // null: black
-  std::vector<PointLight> points;
+  std::vector<renderer::PointLight> points;
   Camera camera;
   double turn_rad = 0;  // of the subject about +Y
   int size_px = 256;
   int max_bounces = 32;  // of every kind; cut-outs pass 256
-  ShadingModel shading = ShadingModel::kV1;
+  renderer::ShadingModel shading = renderer::ShadingModel::kV1;
   bool subsurface = true;  // false: diffuse reflection instead
   CyclesNumbers numbers = CyclesNumbers::kScrambled;
   std::vector<CyclesPass> passes;
@@ -53,4 +53,4 @@ std::vector<uint32_t> cycles_seeds(uint64_t seed, int count);
 /// Triangles that name a position twice are left out. Throws as write_exr and write_file_atomically.
 void write_cycles_scene(const std::filesystem::path& folder, const CyclesScene& scene);
 
-}  // namespace ohb
+}  // namespace ohb::validation

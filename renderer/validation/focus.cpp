@@ -3,46 +3,47 @@
 #include <algorithm>
 #include <cmath>
 
-namespace ohb {
+namespace ohb::validation {
 namespace {
 
 constexpr int kCell_px = 8;
 constexpr double kTimeOfPath = 2;  // ours in Cycles' (one to three where measured: ours splits)
 
-bool overlap(const PixelBox& a, const PixelBox& b) {
+bool overlap(const renderer::PixelBox& a, const renderer::PixelBox& b) {
   return a.x0 < b.x1 && b.x0 < a.x1 && a.y0 < b.y1 && b.y0 < a.y1;
 }
 
-PixelBox joined(const PixelBox& a, const PixelBox& b) {
+renderer::PixelBox joined(const renderer::PixelBox& a, const renderer::PixelBox& b) {
   return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
 }
 
 /// The tight box of the weighted pixels of each cell that has some.
-std::vector<PixelBox> cell_boxes(const std::vector<float>& weights, int width, int height) {
+std::vector<renderer::PixelBox> cell_boxes(const std::vector<float>& weights, int width, int height) {
   const int columns = (width + kCell_px - 1) / kCell_px, rows = (height + kCell_px - 1) / kCell_px;
-  std::vector<PixelBox> cells(static_cast<size_t>(columns) * rows);
+  std::vector<renderer::PixelBox> cells(static_cast<size_t>(columns) * rows);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       if (!(weights[static_cast<size_t>(y) * width + x] > 0)) continue;
-      PixelBox& cell = cells[static_cast<size_t>(y / kCell_px) * columns + x / kCell_px];
-      const PixelBox pixel{x, y, x + 1, y + 1};
+      renderer::PixelBox& cell = cells[static_cast<size_t>(y / kCell_px) * columns + x / kCell_px];
+      const renderer::PixelBox pixel{x, y, x + 1, y + 1};
       cell = cell.x1 > cell.x0 ? joined(cell, pixel) : pixel;
     }
-  cells.erase(std::remove_if(cells.begin(), cells.end(), [](const PixelBox& b) { return b.x1 <= b.x0; }),
-              cells.end());
+  cells.erase(
+      std::remove_if(cells.begin(), cells.end(), [](const renderer::PixelBox& b) { return b.x1 <= b.x0; }),
+      cells.end());
   return cells;
 }
 
 /// Whether two boxes are so close that they belong to one group.
-bool adjacent(const PixelBox& a, const PixelBox& b) {
+bool adjacent(const renderer::PixelBox& a, const renderer::PixelBox& b) {
   return overlap({a.x0 - kCell_px, a.y0 - kCell_px, a.x1 + kCell_px, a.y1 + kCell_px}, b);
 }
 
 }  // namespace
 
-std::vector<PixelBox> boxes_around(const std::vector<float>& weights, int width_px, int height_px) {
-  std::vector<PixelBox> boxes;
-  for (PixelBox box : cell_boxes(weights, width_px, height_px)) {
+std::vector<renderer::PixelBox> boxes_around(const std::vector<float>& weights, int width_px, int height_px) {
+  std::vector<renderer::PixelBox> boxes;
+  for (renderer::PixelBox box : cell_boxes(weights, width_px, height_px)) {
     // A larger box may touch more: until nothing does.
     for (auto touching = boxes.begin(); touching != boxes.end();) {
       if (!adjacent(*touching, box)) {
@@ -79,4 +80,4 @@ std::optional<SidesWork> more_work(const Interval& ratio, const SidesWork& first
   return work;
 }
 
-}  // namespace ohb
+}  // namespace ohb::validation

@@ -8,11 +8,11 @@
 #include "renderer/render.h"
 #include "renderer/validation/statistics.h"
 
-namespace ohb {
+namespace ohb::validation {
 
 /// Boxes that hold every pixel with weight > 0, apart from each other: the bounding boxes of connected groups
 /// of cells of 8 x 8 px, joined where they overlap.
-std::vector<PixelBox> boxes_around(const std::vector<float>& weights, int width_px, int height_px);
+std::vector<renderer::PixelBox> boxes_around(const std::vector<float>& weights, int width_px, int height_px);
 
 /// Paths a pixel of each side's images, of which each has `seeds`.
 struct SidesWork {
@@ -26,4 +26,4 @@ struct SidesWork {
 std::optional<SidesWork> more_work(const Interval& ratio, const SidesWork& first, double target, double most,
                                    int max_spp);
 
-}  // namespace ohb
+}  // namespace ohb::validation

@@ -9,7 +9,7 @@
 #include "dataset/model/image_damage.h"
 #include "dataset/model/process.h"
 
-namespace ohb {
+namespace ohb::validation {
 namespace fs = std::filesystem;
 
 std::string gnuplot_quoted(std::string text) {
@@ -66,4 +66,4 @@ void draw_panels(const std::string& settings, const std::vector<std::string>& pa
   run_gnuplot(script, folder);
 }
 
-}  // namespace ohb
+}  // namespace ohb::validation

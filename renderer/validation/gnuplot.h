@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace ohb {
+namespace ohb::validation {
 
 /// A string literal of gnuplot: nothing in it is special but the quote, which is left out.
 std::string gnuplot_quoted(std::string text);
@@ -17,4 +17,4 @@ void run_gnuplot(const std::string& script, const std::filesystem::path& folder)
 void draw_panels(const std::string& settings, const std::vector<std::string>& panels, size_t columns,
                  int width_px, size_t row_height_px, const std::filesystem::path& folder);
 
-}  // namespace ohb
+}  // namespace ohb::validation

@@ -6,7 +6,7 @@
 
 #include "dataset/model/colour.h"
 
-namespace ohb {
+namespace ohb::validation {
 namespace {
 
 constexpr float kBackground = 0.93f;  // encoded grey
@@ -71,4 +71,4 @@ float round_limit(const Image& values, const std::vector<uint8_t>& pixels, float
   return 10 * power;
 }
 
-}  // namespace ohb
+}  // namespace ohb::validation

@@ -6,7 +6,7 @@
 #include "dataset/model/image.h"
 #include "dataset/model/vec.h"
 
-namespace ohb {
+namespace ohb::validation {
 
 /// Linear premultiplied RGB over a light background as sRGB in [0,1], 3 channels, times `exposure`.
 Image display_picture(const Image& rgb, const Image& coverage, float exposure);
@@ -26,4 +26,4 @@ Image diverging_picture(const Image& values, const std::vector<uint8_t>& pixels,
 /// `least`.
 float round_limit(const Image& values, const std::vector<uint8_t>& pixels, float least);
 
-}  // namespace ohb
+}  // namespace ohb::validation

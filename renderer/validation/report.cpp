@@ -7,7 +7,7 @@
 #include "renderer/validation/pictures.h"
 #include "renderer/validation/report_pictures.h"
 
-namespace ohb {
+namespace ohb::validation {
 namespace fs = std::filesystem;
 using json = nlohmann::ordered_json;
 namespace {
@@ -85,7 +85,7 @@ std::string validation_json(const Validation& v) {
       {"model", v.model_name},
       {"environment", v.environment_name},
       {"blender", v.blender_version},
-      {"shading", v.settings.shading == ShadingModel::kV1 ? "Principled v1" : "Principled v2"},
+      {"shading", v.settings.shading == renderer::ShadingModel::kV1 ? "Principled v1" : "Principled v2"},
       {"subsurface", !v.has_subsurface       ? "none"
                      : v.settings.subsurface ? "random walk"
                                              : "set to 0 on both sides"},
@@ -120,4 +120,4 @@ void write_validation(const fs::path& folder, const Validation& v) {
   write_file_atomically(folder / "index.html", validation_html(v));
 }
 
-}  // namespace ohb
+}  // namespace ohb::validation

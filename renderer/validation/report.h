@@ -6,7 +6,7 @@
 
 #include "renderer/validation/validate.h"
 
-namespace ohb {
+namespace ohb::validation {
 
 /// Everything but the pictures as JSON text (docs/commands/validate.md lists the fields).
 std::string validation_json(const Validation& validation);
@@ -19,4 +19,4 @@ std::string validation_html(const Validation& validation);
 /// seed, float, linear Rec. 709) into an existing folder. Throws as write_exr and write_png.
 void write_validation(const std::filesystem::path& folder, const Validation& validation);
 
-}  // namespace ohb
+}  // namespace ohb::validation

@@ -5,7 +5,7 @@
 #include "renderer/validation/report.h"
 #include "renderer/validation/report_pictures.h"
 
-namespace ohb {
+namespace ohb::validation {
 namespace {
 
 constexpr const char* kStyle = R"(
@@ -196,7 +196,7 @@ std::string validation_html(const Validation& v) {
       "<p>View {} of {}, {} x {} px, {} samples a pixel, {} seeds a side, {} bounces, Principled {}, Blender "
       "{}.{}</p>\n",
       s.view, s.view_count, s.size_px, s.size_px, s.spp, s.seeds, s.max_bounces,
-      s.shading == ShadingModel::kV1 ? "v1" : "v2", escaped(v.blender_version),
+      s.shading == renderer::ShadingModel::kV1 ? "v1" : "v2", escaped(v.blender_version),
       v.has_subsurface && !v.settings.subsurface ? " Subsurface scattering is set to 0 on both sides." : "");
   html += picture_block(v);
   html += "<h2>Bias by region</h2>\n" + region_table(v);
@@ -206,4 +206,4 @@ std::string validation_html(const Validation& v) {
   return html + "</body></html>\n";
 }
 
-}  // namespace ohb
+}  // namespace ohb::validation

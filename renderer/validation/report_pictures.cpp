@@ -2,7 +2,7 @@
 
 #include "renderer/validation/pictures.h"
 
-namespace ohb {
+namespace ohb::validation {
 
 ReportScales report_scales(const Validation& v) {
   ReportScales scales;
@@ -19,4 +19,4 @@ Image all_z(const Validation& v) {
   return z;
 }
 
-}  // namespace ohb
+}  // namespace ohb::validation

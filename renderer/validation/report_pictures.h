@@ -3,7 +3,7 @@
 
 #include "renderer/validation/validate.h"
 
-namespace ohb {
+namespace ohb::validation {
 
 struct ReportScales {
   float exposure = 1;
@@ -15,4 +15,4 @@ ReportScales report_scales(const Validation& validation);
 /// Z of the bins inside and of those of the outline, in one image of 1 channel.
 Image all_z(const Validation& validation);
 
-}  // namespace ohb
+}  // namespace ohb::validation

@@ -4,10 +4,10 @@
 #include <optional>
 
 #include "dataset/model/parallel.h"
-#include "renderer/sampling.h"
-#include "renderer/validation/stopwatch.h"
+#include "dataset/model/sampling.h"
+#include "dataset/model/stopwatch.h"
 
-namespace ohb {
+namespace ohb::validation {
 namespace {
 
 /// The bar that is shared, or one of its own.
@@ -62,15 +62,15 @@ CyclesSide render_cycles_side(const CyclesScene& scene, const Blender& blender, 
 
 OurRenderer::OurRenderer(const CyclesScene& scene) : scene_(scene) {
   const Stopwatch loading;
-  built_ = build_scene(*scene.model);
+  built_ = renderer::build_scene(*scene.model);
   std::vector<Environment> environments;
   if (scene.environment) environments.push_back(*scene.environment);
-  lights_ = prepare_lights(environments, scene.points);
+  lights_ = renderer::prepare_lights(environments, scene.points);
   load_s_ = loading.wall_s();
 }
 
-RenderSettings OurRenderer::settings() const {
-  RenderSettings settings;
+renderer::RenderSettings OurRenderer::settings() const {
+  renderer::RenderSettings settings;
   settings.size_px = scene_.size_px;
   settings.max_bounces = scene_.max_bounces;
   settings.shading = scene_.shading;
@@ -80,22 +80,23 @@ RenderSettings OurRenderer::settings() const {
 }
 
 Sample OurRenderer::maps() const {
-  return render_maps(*built_, scene_.camera, scene_.turn_rad, settings());
+  return renderer::render_maps(*built_, scene_.camera, scene_.turn_rad, settings());
 }
 
 ImageStack OurRenderer::render_pass(const CyclesPass& pass, uint64_t seed, std::atomic<uint64_t>& nonfinite,
                                     Progress& progress) const {
   ImageStack stack(pass.seeds.size());
   const auto render_seed = [&](int k) {
-    RenderSettings settings = this->settings();
+    renderer::RenderSettings settings = this->settings();
     settings.spp = pass.spp;
     settings.seed = mix_bits(seed + static_cast<uint64_t>(k));
-    RenderStatistics statistics;
+    renderer::RenderStatistics statistics;
     Image sum(settings.size_px, settings.size_px, 3);
-    for (const PixelBox& box : pass.boxes.empty() ? std::vector<PixelBox>{{}} : pass.boxes) {
+    for (const renderer::PixelBox& box :
+         pass.boxes.empty() ? std::vector<renderer::PixelBox>{{}} : pass.boxes) {
       settings.crop = box;
       for (const SampleLight& light :
-           render_lights(*built_, *lights_, scene_.camera, scene_.turn_rad, settings, &statistics))
+           renderer::render_lights(*built_, *lights_, scene_.camera, scene_.turn_rad, settings, &statistics))
         for (size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += light.radiance.values[i];
     }
     stack[static_cast<size_t>(k)] = std::move(sum);
@@ -128,4 +129,4 @@ OurSide OurRenderer::render(const std::vector<CyclesPass>& passes, uint64_t seed
   return side;
 }
 
-}  // namespace ohb
+}  // namespace ohb::validation

@@ -9,7 +9,7 @@
 #include "renderer/validation/cycles_scene.h"
 #include "renderer/validation/statistics.h"
 
-namespace ohb {
+namespace ohb::validation {
 
 /// All times are of one image (mean over a pass's seeds), loading apart.
 struct SideCost {
@@ -49,12 +49,12 @@ class OurRenderer {
  private:
   ImageStack render_pass(const CyclesPass& pass, uint64_t seed, std::atomic<uint64_t>& nonfinite,
                          Progress& progress) const;
-  RenderSettings settings() const;
+  renderer::RenderSettings settings() const;
 
   const CyclesScene& scene_;
   double load_s_ = 0;
-  std::shared_ptr<const Scene> built_;
-  std::shared_ptr<const LightSet> lights_;
+  std::shared_ptr<const renderer::Scene> built_;
+  std::shared_ptr<const renderer::LightSet> lights_;
 };
 
-}  // namespace ohb
+}  // namespace ohb::validation

@@ -5,9 +5,9 @@
 #include <functional>
 #include <limits>
 
-#include "renderer/validation/student_t.h"
+#include "renderer/student_t.h"
 
-namespace ohb {
+namespace ohb::validation {
 namespace {
 
 struct Spread {
@@ -88,9 +88,9 @@ struct BinTally {
       const double level = 0.5 * (spread_of(a[c]).mean + spread_of(b[c]).mean);
       const WelchTest test = welch_test(a[c], b[c], std::hypot(floor.relative * level, floor_of_image));
       if (c == 3) {
-        z = std::copysign(normal_two_sided_quantile(test.p), test.t);
-        detectable_here = student_two_sided_quantile(result.single_alpha, test.dof) * test.standard_error /
-                          std::max(level, 1e-30);
+        z = std::copysign(renderer::normal_two_sided_quantile(test.p), test.t);
+        detectable_here = renderer::student_two_sided_quantile(result.single_alpha, test.dof) *
+                          test.standard_error / std::max(level, 1e-30);
         continue;
       }
       accepted = accepted && test.p >= result.single_alpha;
@@ -151,7 +151,7 @@ WelchTest welch_test(const std::vector<double>& a, const std::vector<double>& b,
   if (difference != 0)
     test.t = test.standard_error > 0 ? difference / test.standard_error
                                      : std::copysign(std::numeric_limits<double>::infinity(), difference);
-  test.p = student_two_sided_p(test.t, test.dof);
+  test.p = renderer::student_two_sided_p(test.t, test.dof);
   return test;
 }
 
@@ -190,7 +190,8 @@ Interval ratio_of_means(const std::vector<double>& a, const std::vector<double>&
   const double va = sa.variance / static_cast<double>(a.size()) / (sa.mean * sa.mean);
   const double vb = sb.variance / static_cast<double>(b.size()) / (sb.mean * sb.mean);
   const double dof = satterthwaite(va, a.size(), vb, b.size());
-  const double reach = student_two_sided_quantile(0.05, dof) * std::sqrt(va + vb) * std::fabs(interval.value);
+  const double reach =
+      renderer::student_two_sided_quantile(0.05, dof) * std::sqrt(va + vb) * std::fabs(interval.value);
   interval.low = interval.value - reach;
   interval.high = interval.value + reach;
   if (va + vb > 0) interval.share_a = va / (va + vb);
@@ -247,4 +248,4 @@ double mean_variance(const Moments& moments, const std::vector<uint8_t>& pixels)
   return mean_over(moments.variance, pixels);
 }
 
-}  // namespace ohb
+}  // namespace ohb::validation

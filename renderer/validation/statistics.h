@@ -8,7 +8,7 @@
 
 #include "dataset/model/image.h"
 
-namespace ohb {
+namespace ohb::validation {
 
 /// One image a seed: equal sizes, at least 3 channels, of which the first three (linear RGB, premultiplied)
 /// are used.
@@ -90,4 +90,4 @@ Image relative_difference(const Image& mean_a, const Image& mean_b, const std::v
 /// Mean of the variance over `pixels` and channels: the mean squared error of one seed's unbiased image.
 double mean_variance(const Moments& moments, const std::vector<uint8_t>& pixels);
 
-}  // namespace ohb
+}  // namespace ohb::validation

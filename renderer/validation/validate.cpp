@@ -5,11 +5,11 @@
 #include <utility>
 
 #include "dataset/model/regions.h"
-#include "renderer/sampling.h"
+#include "dataset/model/sampling.h"
+#include "dataset/model/stopwatch.h"
 #include "renderer/validation/focus.h"
-#include "renderer/validation/stopwatch.h"
 
-namespace ohb {
+namespace ohb::validation {
 namespace {
 
 constexpr uint64_t kFocusSeeds = 0x666f637573;  // apart from the first pass's
@@ -171,4 +171,4 @@ Validation validate(const Model& model, const Environment& environment, const Va
   return v;
 }
 
-}  // namespace ohb
+}  // namespace ohb::validation

@@ -8,7 +8,7 @@
 #include "renderer/validation/focus.h"
 #include "renderer/validation/sides.h"
 
-namespace ohb {
+namespace ohb::validation {
 
 /// What must hold for a pass.
 struct ValidationThresholds {
@@ -21,7 +21,7 @@ struct ValidationThresholds {
 struct ValidationSettings {
   int view = 0, view_count = 1;
   int size_px = 256, spp = 128, seeds = 8, max_bounces = 32;
-  ShadingModel shading = ShadingModel::kV1;
+  renderer::ShadingModel shading = renderer::ShadingModel::kV1;
   bool subsurface = true;  // false: diffuse reflection instead, on both sides
   /// Regions whose interval is too wide are rendered again, alone, with up to so many times the work.
   double focus = 100;  // 1: never
@@ -84,4 +84,4 @@ Verdict judge(const Validation& validation);
 Validation validate(const Model& model, const Environment& environment, const ValidationSettings& settings,
                     const std::filesystem::path& scratch);
 
-}  // namespace ohb
+}  // namespace ohb::validation

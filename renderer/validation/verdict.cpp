@@ -6,7 +6,7 @@
 
 #include "renderer/validation/validate.h"
 
-namespace ohb {
+namespace ohb::validation {
 namespace {
 
 constexpr double kAimedHalfWidth = 0.4;  // of the threshold, as validate() aims
@@ -155,4 +155,4 @@ Verdict judge(const Validation& v) {
   return verdict;
 }
 
-}  // namespace ohb
+}  // namespace ohb::validation

@@ -9,6 +9,8 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace bake;
+using namespace surface;
 namespace {
 
 constexpr MaterialTable kTable = {
@@ -26,7 +28,7 @@ Result bake_onto(const Model& low, const Model& high, int size_px, double max_mi
   options.source.scan = &source;
   options.source.max_missed_share = max_missed_share;
   Result result;
-  result.model = bake(scan, one_class(scan), kTable, options, &result.report);
+  result.model = bake_model(scan, one_class(scan), kTable, options, &result.report);
   for (const Image* image : {&result.model.sets[0].albedo, &result.model.sets[0].normal,
                              &result.model.sets[0].displacement, &result.model.sets[0].roughness})
     for (float value : image->values) EXPECT_TRUE(std::isfinite(value));
@@ -113,12 +115,13 @@ TEST(BakeStress, ZeroAreaUvsAndFinsAreReportedAndHarmless) {
   options.source.max_missed_share = 0.2;
   options.source.max_overlap_share = 1;
   BakeReport report;
-  const Model model = bake(scan, one_class(scan), kTable, options, &report);
+  const Model model = bake_model(scan, one_class(scan), kTable, options, &report);
   EXPECT_EQ(report.sets[0].triangles_without_uv_area, 1u);
   for (float value : model.sets[0].normal.values) EXPECT_TRUE(std::isfinite(value));
   for (float value : model.sets[0].albedo.values) EXPECT_TRUE(std::isfinite(value));
   options.source.max_overlap_share = 0.001;
-  expect_message(input_error_of([&] { bake(scan, one_class(scan), kTable, options); }), {"--max-overlap"});
+  expect_message(input_error_of([&] { bake_model(scan, one_class(scan), kTable, options); }),
+                 {"--max-overlap"});
 }
 
 TEST(BakeStress, AMaskOfAnotherSizeIsSaid) {
@@ -132,7 +135,7 @@ TEST(BakeStress, AMaskOfAnotherSizeIsSaid) {
   scan.materials[0].diffuse = {folder / "colour.png", nullptr};
   scan.materials[0].alpha = {folder / "mask.png", nullptr};
   BakeReport report;
-  const Model model = bake(scan, one_class(scan), kTable, {}, &report);
+  const Model model = bake_model(scan, one_class(scan), kTable, {}, &report);
   EXPECT_EQ(model.sets[0].alpha.width_px, 16);
   ASSERT_EQ(warnings_of(report).size(), 1u);
   expect_message(warnings_of(report)[0], {"mask.png", "8 x 8 of 16 x 16", "export both in one size"});

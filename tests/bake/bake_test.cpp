@@ -4,12 +4,14 @@
 
 #include <cmath>
 
-#include "bake/texel_coverage.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/colour.h"
+#include "dataset/surface/texel_coverage.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace bake;
+using namespace surface;
 namespace {
 
 constexpr MaterialTable kTable = {
@@ -68,7 +70,7 @@ TEST(Bake, DisplacementOfAPlaneWhateverTheTurnOfItsChart) {
       options.unit_cm = 2;
       BakeReport report;
       const Model model =
-          bake(scan_of({tilted_plane(turns, mirrored)}), regions_of({kSkin}), kTable, options, &report);
+          bake_model(scan_of({tilted_plane(turns, mirrored)}), regions_of({kSkin}), kTable, options, &report);
       const TextureSet& set = model.sets[0];
       for (int row = 0; row < 24; ++row)
         for (int x = 0; x < 24; ++x) {
@@ -114,7 +116,7 @@ std::vector<Quad> two_charts() {
 TEST(Bake, ClassesBecomeTheTablesValues) {
   BakeOptions options;
   options.size_px = 64;
-  const Model model = bake(scan_of(two_charts()), regions_of({kHair, kLeather}), kTable, options);
+  const Model model = bake_model(scan_of(two_charts()), regions_of({kHair, kLeather}), kTable, options);
   const TextureSet& set = model.sets[0];
   EXPECT_EQ(*set.roughness.pixel(16, 32), 0.5f);
   EXPECT_EQ(*set.specular.pixel(16, 32), 0.239f);
@@ -154,7 +156,7 @@ Image pattern(int width, int height, int channels) {
 TEST(Bake, AlbedoOfEqualSizeIsAnExactLinearCopy) {
   const Image picture = pattern(40, 20, 3);
   const PicturedQuad quad(picture);
-  const Model model = bake(quad.scan, regions_of({kSkin}), kTable, {});
+  const Model model = bake_model(quad.scan, regions_of({kSkin}), kTable, {});
   const Image& albedo = model.sets[0].albedo;
   ASSERT_EQ(albedo.width_px, 40);
   ASSERT_EQ(albedo.height_px, 20);
@@ -168,7 +170,7 @@ TEST(Bake, SmallerMapsAverageInLinear) {
   const PicturedQuad quad(picture);
   BakeOptions options;
   options.size_px = 1;
-  const Model model = bake(quad.scan, regions_of({kSkin}), kTable, options);
+  const Model model = bake_model(quad.scan, regions_of({kSkin}), kTable, options);
   EXPECT_NEAR(model.sets[0].albedo.values[0], 0.5f, 1e-6f);  // in sRGB values it would be 0.214
 }
 
@@ -187,7 +189,7 @@ TEST(Bake, SmallerMapsDoNotMixInTheBackgroundOfThePicture) {
   scan.materials[0].diffuse = {folder / "p.png", nullptr};
   BakeOptions options;
   options.size_px = 16;
-  const Model model = bake(scan, regions_of({kSkin, kSkin}), kTable, options);
+  const Model model = bake_model(scan, regions_of({kSkin, kSkin}), kTable, options);
   const float grey = srgb_to_linear(128 / 255.0f);
   for (float value : model.sets[0].albedo.values) EXPECT_NEAR(value, grey, 1e-5f);
 }
@@ -195,10 +197,10 @@ TEST(Bake, SmallerMapsDoNotMixInTheBackgroundOfThePicture) {
 TEST(Bake, FactorMultipliesThePictureOrIsTheColour) {
   PicturedQuad quad(pattern(8, 8, 3));
   quad.scan.materials[0].diffuse_factor = {0.5f, 1, 0.25f};
-  Model model = bake(quad.scan, regions_of({kSkin}), kTable, {});
+  Model model = bake_model(quad.scan, regions_of({kSkin}), kTable, {});
   EXPECT_NEAR(model.sets[0].albedo.values[2], 0.25f * srgb_to_linear(106 / 255.0f), 1e-6f);
   quad.scan.materials[0].diffuse = {};
-  model = bake(quad.scan, regions_of({kSkin}), kTable, {});
+  model = bake_model(quad.scan, regions_of({kSkin}), kTable, {});
   EXPECT_EQ(model.sets[0].albedo.width_px, kSizeWithoutPicture_px);
   EXPECT_EQ(model.sets[0].albedo.pixel(500, 3)[2], 0.25f);
 }
@@ -211,11 +213,11 @@ TEST(Bake, AlphaIsKeptAndWeighsTheColour) {
   }
   PicturedQuad quad(picture);
   quad.scan.materials[0].alpha = quad.scan.materials[0].diffuse;
-  Model model = bake(quad.scan, regions_of({kHair}), kTable, {});
+  Model model = bake_model(quad.scan, regions_of({kHair}), kTable, {});
   EXPECT_EQ(model.sets[0].alpha.values, (std::vector<float>{1, 0, 0, 0}));
   BakeOptions options;
   options.size_px = 1;
-  model = bake(quad.scan, regions_of({kHair}), kTable, options);
+  model = bake_model(quad.scan, regions_of({kHair}), kTable, options);
   EXPECT_FLOAT_EQ(model.sets[0].alpha.values[0], 0.25f);
   EXPECT_FLOAT_EQ(model.sets[0].albedo.values[0], 1.0f);
 }
@@ -234,7 +236,7 @@ TEST(Bake, ClearPixelsCountOnlyWhereThereAreNoOthers) {
   scan.materials[0].diffuse = scan.materials[0].alpha = {folder / "p.png", nullptr};
   BakeOptions options;
   options.size_px = 16;
-  const Model model = bake(scan, regions_of({kHair, kHair}), kTable, options);
+  const Model model = bake_model(scan, regions_of({kHair, kHair}), kTable, options);
   for (float value : model.sets[0].albedo.values) EXPECT_NEAR(value, srgb_to_linear(128 / 255.0f), 1e-5f);
 }
 
@@ -248,7 +250,7 @@ TEST(Bake, NormalMapsOfAnotherSizeFollowTheColours) {
   }
   write_png(quad.folder / "n.png", normal);
   quad.scan.materials[0].normal = {quad.folder / "n.png", nullptr};
-  const Model model = bake(quad.scan, regions_of({kSkin}), kTable, {});
+  const Model model = bake_model(quad.scan, regions_of({kSkin}), kTable, {});
   const float* const n = model.sets[0].normal.pixel(3, 5);
   EXPECT_EQ(model.sets[0].normal.width_px, 8);
   EXPECT_NEAR(length(Vec3f{n[0], n[1], n[2]}), 1, 1e-6f);
@@ -257,7 +259,7 @@ TEST(Bake, NormalMapsOfAnotherSizeFollowTheColours) {
 
 TEST(Bake, OneSetAMaterialAndEachHasItsOwnMap) {
   std::vector<Quad> quads = two_charts();
-  const Model model = bake(scan_of(quads, true), regions_of({kSkin, kFabric}), kTable, {});
+  const Model model = bake_model(scan_of(quads, true), regions_of({kSkin, kFabric}), kTable, {});
   ASSERT_EQ(model.sets.size(), 2u);
   EXPECT_EQ(model.sets[1].name, "material1");
   EXPECT_EQ(*model.sets[1].roughness.pixel(700, 500), 0.85f);
@@ -272,7 +274,8 @@ TEST(Bake, RepeatsAndOverlapsAreReported) {
   BakeOptions options;
   options.size_px = 100;
   BakeReport report;
-  const Model model = bake(scan_of(quads), regions_of({kHair, kFabric, kFabric}), kTable, options, &report);
+  const Model model =
+      bake_model(scan_of(quads), regions_of({kHair, kFabric, kFabric}), kTable, options, &report);
   EXPECT_EQ(*model.sets[0].roughness.pixel(95, 50), 0.5f);
   EXPECT_EQ(*model.sets[0].roughness.pixel(5, 50), 0.5f);
   EXPECT_EQ(report.sets[0].overlapping_texels, 30u * 80u);

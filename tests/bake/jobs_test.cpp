@@ -9,6 +9,7 @@
 #include <thread>
 
 namespace ohb {
+using namespace bake;
 namespace {
 
 TEST(Jobs, OneThatThrowsLeavesTheLoopsOfOthersWhole) {

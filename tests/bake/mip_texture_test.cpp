@@ -6,6 +6,7 @@
 #include <random>
 
 namespace ohb {
+using namespace bake;
 namespace {
 
 Image noise(int width, int height, int channels) {

@@ -1,14 +1,15 @@
-#include "bake/picture.h"
+#include "dataset/surface/picture.h"
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "bake/padding.h"
 #include "dataset/model/colour.h"
+#include "dataset/surface/padding.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace surface;
 namespace {
 
 ScanPicture write_picture(const TemporaryFolder& folder, const std::string& name, const Image& image,

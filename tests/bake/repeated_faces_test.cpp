@@ -12,6 +12,8 @@
 #include "tests/bake/test_scans.h"
 
 namespace ohb {
+using namespace bake;
+using namespace surface;
 namespace {
 
 constexpr MaterialTable kTable = {
@@ -139,7 +141,7 @@ TEST(RepeatedFaces, BakeLeavesThemOutAndSaysSo) {
   options.size_px = 16;
   options.quiet = true;
   BakeReport report;
-  const Model model = bake(scan, one_class(scan), kTable, options, &report);
+  const Model model = bake_model(scan, one_class(scan), kTable, options, &report);
   ASSERT_EQ(model.triangles.size(), 4u);
   EXPECT_EQ(model.positions_cm.size(), 8u);
   EXPECT_EQ(model.triangles[1].source_face, 0u);

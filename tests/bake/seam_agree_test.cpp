@@ -8,13 +8,15 @@
 
 #include <random>
 
-#include "bake/picture.h"
 #include "bake/seam_places.h"
 #include "bake/seam_system.h"
 #include "dataset/model/colour.h"
+#include "dataset/surface/picture.h"
 #include "tests/bake/two_charts.h"
 
 namespace ohb {
+using namespace bake;
+using namespace surface;
 namespace {
 
 /// A bilinear lookup in double precision that shares no code with the bake's.

@@ -10,6 +10,8 @@
 #include "tests/bake/two_charts.h"
 
 namespace ohb {
+using namespace bake;
+using namespace surface;
 namespace {
 
 TEST(Seams, AreTheEdgesWithTwoPlaces) {

@@ -11,6 +11,8 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace bake;
+using namespace surface;
 namespace {
 
 struct Pixels {

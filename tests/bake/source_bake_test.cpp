@@ -13,6 +13,8 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace bake;
+using namespace surface;
 namespace {
 
 constexpr MaterialTable kTable = {
@@ -260,10 +262,10 @@ struct PicturedSheet {
 TEST(SourceBake, AMeshOntoItselfGivesItsOwnMaps) {
   const PicturedSheet sheet(64);
   BakeOptions options;
-  const Model own = bake(sheet.scan, sheet.regions, kTable, options);
+  const Model own = bake_model(sheet.scan, sheet.regions, kTable, options);
   options.source.scan = &sheet.scan;
   BakeReport report;
-  const Model again = bake(sheet.scan, sheet.regions, kTable, options, &report);
+  const Model again = bake_model(sheet.scan, sheet.regions, kTable, options, &report);
   EXPECT_EQ(report.sets[0].hit_texels, 64u * 64u);
   EXPECT_LT(report.sets[0].max_distance_cm, 1e-3);
   const auto expect_near = [](const Image& a, const Image& b, float tolerance) {
@@ -286,9 +288,9 @@ TEST(SourceBake, SmallMapsAverageTheSourcesPicture) {
   const PicturedSheet sheet(512);
   BakeOptions options;
   options.size_px = 16;
-  const Model own = bake(sheet.scan, sheet.regions, kTable, options);
+  const Model own = bake_model(sheet.scan, sheet.regions, kTable, options);
   options.source.scan = &sheet.scan;
-  const Model again = bake(sheet.scan, sheet.regions, kTable, options);
+  const Model again = bake_model(sheet.scan, sheet.regions, kTable, options);
   double squared = 0;
   for (size_t i = 0; i < own.sets[0].albedo.values.size(); ++i) {
     const double error = own.sets[0].albedo.values[i] - again.sets[0].albedo.values[i];
@@ -329,22 +331,22 @@ TEST(SourceBake, ACageReachesAsFarAsItIsMoved) {
   options.source.scan = &high;
   options.source.reach_cm = 9;
   options.size_px = 8;
-  EXPECT_NEAR(bake(low, one_class(low), kTable, options).sets[0].displacement.values[0], 8, 1e-4f);
+  EXPECT_NEAR(bake_model(low, one_class(low), kTable, options).sets[0].displacement.values[0], 8, 1e-4f);
   const Scan near_cage = scan_of_model(sheet(5), "cage.obj"), far_cage = scan_of_model(sheet(10), "cage.obj");
   options.source.cage = &far_cage;
-  EXPECT_NEAR(bake(low, one_class(low), kTable, options).sets[0].displacement.values[0], 8, 1e-4f);
+  EXPECT_NEAR(bake_model(low, one_class(low), kTable, options).sets[0].displacement.values[0], 8, 1e-4f);
   options.source.cage = &high;  // another mesh of the same faces is a cage
   options.source.cage = &near_cage;
   options.source.reach_cm = 1;
   options.source.max_missed_share = 0;
-  expect_message(input_error_of([&] { bake(low, one_class(low), kTable, options); }),
+  expect_message(input_error_of([&] { bake_model(low, one_class(low), kTable, options); }),
                  {"high.obj", "lies 8", "cm away"});
   Scan other = near_cage;
   other.corners.pop_back();
   other.face_begin.back() -= 1;
   options.source.cage = &other;
   options.source.reach_cm = 9;
-  expect_message(input_error_of([&] { bake(low, one_class(low), kTable, options); }),
+  expect_message(input_error_of([&] { bake_model(low, one_class(low), kTable, options); }),
                  {"cage.obj", "has other faces than low.obj"});
 }
 
@@ -356,7 +358,7 @@ TEST(SourceBake, RefusesInWords) {
   const auto refusal = [&](const Model& source) {
     const Scan high = scan_of_model(source, "high.obj");
     options.source.scan = &high;
-    return input_error_of([&] { bake(low, one_class(low), kTable, options); });
+    return input_error_of([&] { bake_model(low, one_class(low), kTable, options); });
   };
   expect_message(refusal(turned_over(sheet(0))),
                  {"texture set 'all'", "100.00 % find only back faces", "turn the faces"});
@@ -367,7 +369,7 @@ TEST(SourceBake, RefusesInWords) {
   const Scan twice = scan_of_model(joined(sheet(0), sheet(0.01f)), "twice.obj"),
              good = scan_of_model(sheet(0), "h.obj");
   options.source.scan = &good;
-  expect_message(input_error_of([&] { bake(twice, one_class(twice), kTable, options); }),
+  expect_message(input_error_of([&] { bake_model(twice, one_class(twice), kTable, options); }),
                  {"h.obj", "100.00 % of the texels show more than one face", "--max-overlap"});
   Model half = sheet(0);
   half.triangles.resize(half.triangles.size() / 2);
@@ -377,7 +379,7 @@ TEST(SourceBake, RefusesInWords) {
   const Scan high = scan_of_model(half, "high.obj");
   options.source.scan = &high;
   BakeReport report;
-  const Model model = bake(low, one_class(low), kTable, options, &report);
+  const Model model = bake_model(low, one_class(low), kTable, options, &report);
   EXPECT_GT(report.sets[0].missed_texels, 100u);
   EXPECT_EQ(*model.sets[0].valid.pixel(3, 0), 0.5f);
   const TemporaryFolder out;

@@ -8,6 +8,8 @@
 #include "tests/bake/test_scans.h"
 
 namespace ohb {
+using namespace bake;
+using namespace surface;
 namespace {
 
 // As many layers as are passed at most: one that was met twice (see renderer/intersect_test) would count as

@@ -1,4 +1,4 @@
-#include "bake/texel_coverage.h"
+#include "dataset/surface/texel_coverage.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -11,6 +11,8 @@
 #include "tests/support/shared_data.h"
 
 namespace ohb {
+using namespace bake;
+using namespace surface;
 namespace {
 
 /// UVs are multiples of 2^-22, which a float holds exactly below 4. Times the size of the map they are texels

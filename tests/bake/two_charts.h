@@ -4,12 +4,14 @@
 #include <cmath>
 #include <vector>
 
-#include "bake/padding.h"
 #include "bake/seam_fill.h"
 #include "bake/source_bake.h"
+#include "dataset/surface/padding.h"
 #include "tests/bake/test_scans.h"
 
 namespace ohb {
+using namespace bake;
+using namespace surface;
 
 /// A bent sheet in two charts, the right one turned by `degrees`, smaller, and mirrored on demand.
 struct TwoCharts {

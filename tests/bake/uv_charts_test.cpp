@@ -5,6 +5,8 @@
 #include "tests/bake/test_scans.h"
 
 namespace ohb {
+using namespace bake;
+using namespace surface;
 namespace {
 
 /// A sheet of 1 m whose right half is another chart, made `width` of the map wide.

@@ -11,6 +11,8 @@
 #include "tests/bake/test_scans.h"
 
 namespace ohb {
+using namespace bake;
+using namespace surface;
 namespace {
 
 constexpr float kReach_cm = 2;

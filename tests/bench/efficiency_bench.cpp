@@ -7,11 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "dataset/model/stopwatch.h"
 #include "renderer/render.h"
-#include "renderer/validation/stopwatch.h"
 
 int main(int argc, char** argv) {
   using namespace ohb;
+  using namespace ohb::renderer;
   if (argc < 3) {
     std::fprintf(
         stderr,

@@ -9,6 +9,8 @@
 #include "dataset/model/scan_unit.h"
 
 namespace ohb {
+using namespace labelling;
+using namespace surface;
 namespace {
 
 constexpr size_t kSampledFaces = 6000;  // of a scan

@@ -9,6 +9,8 @@
 #include "tests/bench/robot_run.h"
 
 namespace ohb {
+using namespace labelling;
+using namespace surface;
 
 /// One scan, with what fitting needs of it.
 struct FitHuman {

@@ -15,6 +15,8 @@
 #include "tests/bench/robot_trust.h"
 
 namespace ohb {
+using namespace labelling;
+using namespace surface;
 namespace {
 
 std::vector<RobotMethod> methods() {

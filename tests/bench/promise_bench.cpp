@@ -11,11 +11,14 @@
 #include <cstdlib>
 #include <string>
 
-#include "dataset/production/render_samples.h"
+#include "dataset/commands/render_samples.h"
+#include "dataset/model/stopwatch.h"
 #include "renderer/paired_pilots.h"
-#include "renderer/validation/stopwatch.h"
 
 namespace ohb {
+using namespace commands;
+using namespace renderer;
+using namespace surface;
 namespace {
 
 struct Bench {

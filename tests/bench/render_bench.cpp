@@ -14,6 +14,8 @@
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace surface;
 namespace {
 
 struct Workload {
@@ -101,7 +103,7 @@ void bare_embree(benchmark::State& state, size_t at_once) {
   state.counters["rays"] = benchmark::Counter(count, benchmark::Counter::kIsRate);
 }
 
-void renderer(benchmark::State& state) {
+void our_renderer(benchmark::State& state) {
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   for (auto _ : state)
     benchmark::DoNotOptimize(
@@ -118,7 +120,7 @@ int main(int argc, char** argv) {
   ohb::g_workload = ohb::make_workload(has_model ? argv[1] : nullptr, has_model ? argv[2] : nullptr);
   benchmark::RegisterBenchmark("bare_embree", ohb::bare_embree, 1)->Unit(benchmark::kMillisecond);
   benchmark::RegisterBenchmark("bare_embree_packets", ohb::bare_embree, 8)->Unit(benchmark::kMillisecond);
-  benchmark::RegisterBenchmark("renderer", ohb::renderer)->Unit(benchmark::kMillisecond);
+  benchmark::RegisterBenchmark("renderer", ohb::our_renderer)->Unit(benchmark::kMillisecond);
   benchmark::Initialize(&argc, argv);
   benchmark::RunSpecifiedBenchmarks();
   return 0;

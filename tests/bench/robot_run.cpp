@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <random>
 
+#include "dataset/commands/label.h"
 #include "dataset/model/scan_unit.h"
-#include "dataset/production/label.h"
-#include "renderer/validation/stopwatch.h"
+#include "dataset/model/stopwatch.h"
 
 namespace ohb {
+using namespace commands;
+using namespace labelling;
+using namespace surface;
 RobotHuman read_robot_human(const std::filesystem::path& file) {
   RobotHuman human{file.stem().string(), read_scan(file), {}, {}};
   std::filesystem::path labels = file;

@@ -10,6 +10,8 @@
 #include "tests/bench/robot_user.h"
 
 namespace ohb {
+using namespace labelling;
+using namespace surface;
 
 struct RobotHuman {
   std::string name;

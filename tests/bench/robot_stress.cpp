@@ -11,6 +11,9 @@
 #include "tests/bench/damaged_picture.h"
 
 namespace ohb {
+using namespace labelling;
+using namespace surface;
+using namespace validation;
 using nlohmann::json;
 namespace {
 

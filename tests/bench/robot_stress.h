@@ -9,6 +9,8 @@
 #include "tests/bench/robot_run.h"
 
 namespace ohb {
+using namespace labelling;
+using namespace surface;
 
 enum class RobotDamage { kWrongStrokes, kPictureNoise, kPictureBlur };
 

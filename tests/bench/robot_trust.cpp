@@ -6,11 +6,14 @@
 #include <cmath>
 #include <cstdio>
 
+#include "dataset/commands/label.h"
 #include "dataset/model/atomic_file.h"
-#include "dataset/production/label.h"
 #include "tests/bench/label_fit.h"
 
 namespace ohb {
+using namespace commands;
+using namespace labelling;
+using namespace surface;
 namespace {
 
 constexpr float kFarthest_cm = 5;

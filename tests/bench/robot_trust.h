@@ -9,6 +9,8 @@
 #include "tests/bench/robot_run.h"
 
 namespace ohb {
+using namespace labelling;
+using namespace surface;
 
 /// Ten bins of confidence, [0, 0.1) and so on; 1 is in the last.
 constexpr size_t kReliabilityBins = 10;

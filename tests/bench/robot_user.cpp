@@ -5,6 +5,7 @@
 #include <queue>
 
 namespace ohb {
+using namespace labelling;
 namespace {
 
 constexpr float kFar = std::numeric_limits<float>::max();

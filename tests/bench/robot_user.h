@@ -7,6 +7,7 @@
 #include "dataset/labelling/strokes.h"
 
 namespace ohb {
+using namespace labelling;
 
 struct RobotNoise {
   double jitter_cm = 0;    // of each point of a stroke: uniform in a cube of twice that edge

@@ -1,17 +1,23 @@
 // A picture with baked maps equals one with the scan's own materials, and stops doing so where the maps are
 // too small.
-#include "dataset/production/bake_fidelity.h"
+#include "dataset/studies/bake_fidelity.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "dataset/production/label.h"
-#include "dataset/production/source_materials.h"
+#include "dataset/commands/label.h"
+#include "dataset/commands/source_materials.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/tube_person.h"
 
 namespace ohb {
+using namespace bake;
+using namespace commands;
+using namespace labelling;
+using namespace studies;
+using namespace surface;
+using namespace validation;
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,7 +105,7 @@ TEST(BakeFidelity, UnmendedMapsOfOwnSizeAreTheScansMaterials) {
   settings.size_px = 48;
   const Model source = source_material_model(tube.inputs);
   EXPECT_EQ(source.sets.size(), 4u) << "one a class";
-  Model baked = bake(tube.inputs.scan, tube.inputs.regions, tube.inputs.table, tube.inputs.options);
+  Model baked = bake_model(tube.inputs.scan, tube.inputs.regions, tube.inputs.table, tube.inputs.options);
   const FidelityPoint same = compare_models(baked, source, patch_of_light(), settings);
   EXPECT_TRUE(same.failures.empty()) << same.failures.front();
   EXPECT_LT(same.relative_error, 0.003) << "only texels at the borders of the classes";
@@ -124,7 +130,7 @@ TEST(BakeFidelity, AnotherUvLayout) {
   settings.size_px = 48;
   const auto failures_at = [&](int map_px) {
     other.options.size_px = map_px;
-    const Model baked = bake(other.scan, other.regions, other.table, other.options);
+    const Model baked = bake_model(other.scan, other.regions, other.table, other.options);
     return compare_models(baked, source, patch_of_light(), settings).failures;
   };
   const std::vector<std::string> fine = failures_at(1024);

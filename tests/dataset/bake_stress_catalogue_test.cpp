@@ -1,12 +1,15 @@
 // The bake's stress catalogue, and that its limits bite.
 #include <gtest/gtest.h>
 
-#include "dataset/production/bake_stress.h"
-#include "dataset/production/bake_stress_scenes.h"
+#include "dataset/studies/bake_stress.h"
+#include "dataset/studies/bake_stress_scenes.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace bake;
+using namespace studies;
+using namespace surface;
 namespace {
 
 std::vector<BakeStressCase> catalogue() {

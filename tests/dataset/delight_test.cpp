@@ -1,6 +1,6 @@
 // A picture that is a known albedo times the light of its surroundings, as our own path tracer computes it,
 // gives the albedo back; one without such light is left alone.
-#include "dataset/production/delight.h"
+#include "dataset/commands/delight.h"
 
 #include <gtest/gtest.h>
 
@@ -15,6 +15,10 @@
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace bake;
+using namespace commands;
+using namespace renderer;
+using namespace surface;
 namespace {
 
 constexpr int kPicture_px = 96;

@@ -5,13 +5,14 @@
 #include <cmath>
 #include <functional>
 
-#include "bake/picture.h"
 #include "dataset/model/mesh_topology.h"
 #include "dataset/model/scan.h"
+#include "dataset/surface/picture.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace surface;
 namespace {
 
 namespace fs = std::filesystem;

@@ -1,8 +1,8 @@
 // Readers under random damage, with fixed seeds.
 #include <random>
 
+#include "dataset/commands/inspect.h"
 #include "dataset/model/scan.h"
-#include "dataset/production/inspect.h"
 #include "tests/support/compressed_gltf.h"
 #include "tests/support/fbx_files.h"
 #include "tests/support/picture_files.h"
@@ -10,6 +10,7 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace commands;
 namespace {
 
 /// Whatever bytes change, a reader loads the scan or throws InputError, in bounded time and memory.

@@ -7,13 +7,16 @@
 #include <functional>
 
 #include "bake/bake.h"
-#include "bake/picture.h"
 #include "dataset/labelling/face_colours.h"
 #include "dataset/model/atomic_file.h"
+#include "dataset/surface/picture.h"
 #include "tests/support/gltf_files.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace bake;
+using namespace labelling;
+using namespace surface;
 namespace {
 
 constexpr int kSize_px = 32;
@@ -185,7 +188,7 @@ TextureSet baked(const Scan& scan) {
   regions.face_class.assign(scan.face_count(), kSkin);
   MaterialTable table{};
   for (ClassMaterial& of : table) of = {0.5f, 0.5f, 0.0f};
-  return bake(scan, regions, table, {}).sets.at(0);
+  return bake_model(scan, regions, table, {}).sets.at(0);
 }
 
 TEST(GltfMaterials, MasksAreThresholdedAndNeverHalfClear) {

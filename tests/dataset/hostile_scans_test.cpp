@@ -1,15 +1,16 @@
 // Malformed scans and pictures: each is refused in one line that says where and what, or accepted on purpose.
 #include <functional>
 
+#include "dataset/commands/inspect.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/scan.h"
-#include "dataset/production/inspect.h"
 #include "tests/support/fbx_files.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace commands;
 namespace {
 
 constexpr const char* kAccepted = "";

@@ -1,17 +1,18 @@
-#include "dataset/production/inspect.h"
+#include "dataset/commands/inspect.h"
 
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "dataset/commands/uv_layout.h"
 #include "dataset/model/scan_unit.h"
-#include "dataset/production/uv_layout.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace commands;
 namespace {
 
 InspectReport inspect_text_of(const std::string& obj, const std::optional<std::string>& unit = "cm") {

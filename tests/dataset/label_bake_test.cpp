@@ -7,16 +7,20 @@
 #include <fstream>
 #include <functional>
 
+#include "dataset/commands/bake_scan.h"
+#include "dataset/commands/label.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
-#include "dataset/production/bake_scan.h"
-#include "dataset/production/label.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/test_files.h"
 #include "tests/support/tube_person.h"
 
 namespace ohb {
+using namespace bake;
+using namespace commands;
+using namespace labelling;
+using namespace surface;
 namespace {
 
 namespace fs = std::filesystem;

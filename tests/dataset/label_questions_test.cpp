@@ -2,14 +2,17 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "dataset/commands/label.h"
 #include "dataset/labelling/labeller.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/data_files.h"
-#include "dataset/production/label.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/tube_person.h"
 
 namespace ohb {
+using namespace commands;
+using namespace labelling;
+using namespace surface;
 namespace {
 
 /// Repaints what is between two heights, all around.

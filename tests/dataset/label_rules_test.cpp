@@ -1,16 +1,19 @@
-#include "dataset/production/label_rules.h"
+#include "dataset/commands/label_rules.h"
 
+#include "dataset/commands/label.h"
+#include "dataset/commands/name_words.h"
 #include "dataset/labelling/face_colours.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/error.h"
 #include "dataset/model/lab_colour.h"
-#include "dataset/production/label.h"
-#include "dataset/production/name_words.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace commands;
+using namespace labelling;
+using namespace surface;
 namespace {
 
 TEST(LabelRules, GlobsKnowStarsQuestionMarksAlternativesAndNoCase) {

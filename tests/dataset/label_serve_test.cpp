@@ -1,15 +1,17 @@
-#include "dataset/production/label_serve.h"
+#include "dataset/commands/label_serve.h"
 
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "dataset/production/label.h"
+#include "dataset/commands/label.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/tube_person.h"
 
 namespace ohb {
+using namespace commands;
+using namespace labelling;
 namespace {
 
 using Json = nlohmann::json;

@@ -8,6 +8,7 @@
 #include "dataset/labelling/random_walker.h"
 
 namespace ohb {
+using namespace labelling;
 namespace {
 
 /// A random graph of `nodes` with costs and weights in [0, 1) x scale and a metric.

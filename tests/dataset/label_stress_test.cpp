@@ -1,11 +1,14 @@
 // A short version of the label's stress cases, on a person of one tube.
 #include <gtest/gtest.h>
 
-#include "dataset/production/label_report.h"
+#include "dataset/commands/label_report.h"
 #include "tests/bench/robot_stress.h"
 #include "tests/support/tube_person.h"
 
 namespace ohb {
+using namespace commands;
+using namespace labelling;
+using namespace surface;
 namespace {
 
 TEST(LabelStress, CasesAreWithinTheirLimitsAndTheLimitsBite) {

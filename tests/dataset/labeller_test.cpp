@@ -6,12 +6,15 @@
 #include <numeric>
 #include <random>
 
+#include "dataset/commands/label.h"
 #include "dataset/model/scan_unit.h"
-#include "dataset/production/label.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/tube_person.h"
 
 namespace ohb {
+using namespace commands;
+using namespace labelling;
+using namespace surface;
 namespace {
 
 double accuracy_of(const std::vector<uint8_t>& face_class, const std::vector<uint8_t>& truth,

@@ -6,6 +6,7 @@
 #include "dataset/program/option_checks.h"
 
 namespace ohb {
+using namespace program;
 namespace {
 
 TEST(OptionChecks, RefuseAllThatIsNoFiniteNumberInTheRange) {

@@ -2,12 +2,13 @@
 #include "tests/support/scan_files.h"
 #include <nlohmann/json.hpp>
 
+#include "dataset/commands/inspect.h"
 #include "dataset/model/scan.h"
-#include "dataset/production/inspect.h"
 #include "tests/support/fbx_files.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace commands;
 namespace {
 
 namespace fs = std::filesystem;

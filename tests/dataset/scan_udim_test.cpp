@@ -1,13 +1,19 @@
 // Scans whose pictures are tiled over UV space: from files to maps.
 #include <gtest/gtest.h>
 
-#include "dataset/production/bake_fidelity.h"
-#include "dataset/production/label.h"
+#include "dataset/commands/label.h"
+#include "dataset/studies/bake_fidelity.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/test_files.h"
 #include "tests/support/tube_person.h"
 
 namespace ohb {
+using namespace bake;
+using namespace commands;
+using namespace labelling;
+using namespace studies;
+using namespace surface;
+using namespace validation;
 namespace {
 
 namespace fs = std::filesystem;
@@ -122,8 +128,8 @@ TEST(Udim, ATiledPersonRendersAsTheSameOnOneTile) {
   FidelitySettings settings;
   settings.size_px = 48;
   settings.spp = 8;
-  const FidelityPoint point = compare_models(bake(tiled, regions, table, {}),
-                                             bake(person.scan, regions, table, {}), environment, settings);
+  const FidelityPoint point = compare_models(bake_model(tiled, regions, table, {}),
+                                             bake_model(person.scan, regions, table, {}), environment, settings);
   EXPECT_TRUE(point.failures.empty()) << point.failures.front();
   EXPECT_LT(point.relative_error, 0.01);
 }

@@ -3,13 +3,17 @@
 #include <gtest/gtest.h>
 
 #include "bake/bake.h"
+#include "dataset/commands/bake_scan.h"
+#include "dataset/commands/label.h"
 #include "dataset/model/data_files.h"
-#include "dataset/production/bake_scan.h"
-#include "dataset/production/label.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace bake;
+using namespace commands;
+using namespace labelling;
+using namespace surface;
 namespace {
 
 /// A strip of n quads of `edge` along X, 1 high, in the plane z = 0.

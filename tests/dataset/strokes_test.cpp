@@ -4,6 +4,7 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace labelling;
 namespace {
 
 /// A sheet of n x n unit quads in the plane z = 0, facing +Z.

@@ -8,13 +8,16 @@
 #include <cmath>
 #include <random>
 
+#include "dataset/commands/label.h"
 #include "dataset/labelling/texel_surface.h"
-#include "dataset/production/label.h"
 
 #include "tests/support/scan_files.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace commands;
+using namespace labelling;
+using namespace surface;
 namespace {
 
 constexpr double kTurn = 2 * 3.14159265358979;

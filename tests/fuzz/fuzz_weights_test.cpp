@@ -12,6 +12,7 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace learner;
 namespace {
 
 size_t number_in(const char* variable, size_t otherwise) {

@@ -2,17 +2,17 @@
 
 #include <sstream>
 
+#include "dataset/commands/inspect.h"
+#include "dataset/commands/label.h"
+#include "dataset/commands/label_serve.h"
 #include "dataset/labelling/strokes.h"
 #include "dataset/model/environment.h"
 #include "dataset/model/material_table.h"
 #include "dataset/model/model.h"
 #include "dataset/model/sample.h"
 #include "dataset/model/scan_unit.h"
-#include "dataset/production/bake_stress.h"
-#include "dataset/production/inspect.h"
-#include "dataset/production/label.h"
-#include "dataset/production/label_serve.h"
-#include "renderer/validation/stress.h"
+#include "dataset/studies/bake_stress.h"
+#include "dataset/studies/stress.h"
 #include "tests/support/fbx_files.h"
 #include "tests/support/foreign_files.h"
 #include "tests/support/picture_files.h"
@@ -20,6 +20,9 @@
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace commands;
+using namespace labelling;
+using namespace studies;
 namespace fs = std::filesystem;
 namespace {
 

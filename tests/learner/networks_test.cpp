@@ -6,6 +6,7 @@
 #include "learner/counts.h"
 
 namespace ohb {
+using namespace learner;
 namespace {
 
 using torch::Tensor;

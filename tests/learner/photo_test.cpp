@@ -9,6 +9,7 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace learner;
 namespace {
 
 /// A grey picture with a person-like bright block in columns 20..39 and rows 10..49 of 60 x 64.

@@ -9,6 +9,7 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace learner;
 namespace {
 
 std::vector<std::string> training(const TemporaryFolder& folder, const std::string& steps) {

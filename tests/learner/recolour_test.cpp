@@ -10,6 +10,7 @@
 #include "learner/hash.h"
 
 namespace ohb {
+using namespace learner;
 namespace {
 
 using torch::Tensor;

@@ -12,6 +12,8 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace learner;
+using namespace renderer;
 namespace {
 
 using torch::Tensor;

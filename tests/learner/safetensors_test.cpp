@@ -10,6 +10,7 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace learner;
 namespace {
 
 TensorFile example() {

@@ -7,6 +7,7 @@
 #include "test_maps.h"
 
 namespace ohb {
+using namespace learner;
 namespace {
 
 using torch::Tensor;

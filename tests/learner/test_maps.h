@@ -4,6 +4,7 @@
 #include "learner/oracle.h"
 
 namespace ohb {
+using namespace learner;
 
 /// Maps like those of a subject: normals towards the viewer (a hemisphere's, with noise), every value a
 /// function of `seed`.

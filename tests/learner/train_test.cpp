@@ -16,6 +16,7 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace learner;
 namespace {
 
 using nlohmann::json;

@@ -8,14 +8,15 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "bake/texel_coverage.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/regions.h"
+#include "dataset/surface/texel_coverage.h"
 #include "tests/people/tiny_assets.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_files.h"
 
 namespace ohb::people {
+using namespace surface;
 namespace {
 namespace fs = std::filesystem;
 

@@ -7,6 +7,7 @@
 #include "eight_samples.h"
 
 namespace ohb {
+using namespace renderer;
 namespace {
 
 constexpr Vec3f kUp{0, 0, 1};

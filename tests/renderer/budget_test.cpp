@@ -7,12 +7,14 @@
 #include <cmath>
 #include <numeric>
 
+#include "dataset/model/sampling.h"
 #include "renderer/render.h"
 #include "renderer/rounds.h"
-#include "renderer/sampling.h"
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace surface;
 namespace {
 
 /// Pilots of one light whose noise is `deviation(x, y)` about 1.

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "renderer/sampling.h"
+#include "dataset/model/sampling.h"
 
 namespace ohb {
 

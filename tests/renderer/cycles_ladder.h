@@ -12,6 +12,8 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace validation;
 
 constexpr float kTau = 6.2831853f;
 

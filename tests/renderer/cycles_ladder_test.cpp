@@ -3,6 +3,8 @@
 #include "cycles_ladder.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace validation;
 namespace {
 
 void expect_equal(const Ladder& ladder) {

@@ -6,6 +6,8 @@
 #include "cycles_ladder.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace validation;
 namespace {
 
 class CyclesLadderV2 : public testing::Test {

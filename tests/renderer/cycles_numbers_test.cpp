@@ -8,6 +8,9 @@
 #include "renderer/surface.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace surface;
+using namespace validation;
 namespace {
 
 constexpr int kSize = 16;

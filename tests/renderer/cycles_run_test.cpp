@@ -10,6 +10,8 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace validation;
 namespace {
 
 namespace fs = std::filesystem;

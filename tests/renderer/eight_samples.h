@@ -6,6 +6,7 @@
 #include "renderer/bsdf.h"
 
 namespace ohb {
+using namespace renderer;
 
 /// Tilted normals, every lobe; roughness down to where alpha is rounded away.
 struct HardPoint {

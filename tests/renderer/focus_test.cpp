@@ -6,6 +6,8 @@
 #include <cmath>
 
 namespace ohb {
+using namespace renderer;
+using namespace validation;
 namespace {
 
 TEST(Focus, BoxesHoldAllWeightsAndStayApart) {

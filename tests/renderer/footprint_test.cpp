@@ -6,6 +6,8 @@
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace surface;
 namespace {
 
 TEST(Footprint, HoldsEveryPixelWhoseRaysHit) {

@@ -7,6 +7,8 @@
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace surface;
 namespace {
 
 constexpr int kRays = 300'000;

@@ -7,12 +7,14 @@
 #include <cmath>
 #include <limits>
 
+#include "dataset/model/sampling.h"
 #include "renderer/paired_pilots.h"
 #include "renderer/quality.h"
-#include "renderer/sampling.h"
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace surface;
 namespace {
 
 TEST(DirectionCells, DirectionsLieInTheirCells) {

@@ -7,6 +7,7 @@
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace renderer;
 namespace {
 
 Environment environment_of(const Image& image) {

@@ -6,11 +6,12 @@
 #include <array>
 #include <cmath>
 
+#include "dataset/model/sampling.h"
 #include "renderer/render.h"
-#include "renderer/sampling.h"
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace renderer;
 namespace {
 
 using Vec3d = std::array<double, 3>;

@@ -4,11 +4,12 @@
 
 #include <cmath>
 
+#include "dataset/model/sampling.h"
 #include "renderer/render.h"
-#include "renderer/sampling.h"
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace renderer;
 namespace {
 
 Environment constant_environment(float value) {

@@ -6,12 +6,14 @@
 
 #include <cmath>
 
+#include "dataset/model/sampling.h"
 #include "renderer/coarser.h"
 #include "renderer/paired_pilots.h"
-#include "renderer/sampling.h"
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace surface;
 namespace {
 
 TEST(PairedPilots, IntervalHoldsTheTruthAndNoiseDoesNotCount) {

@@ -6,10 +6,11 @@
 
 #include <cmath>
 
-#include "renderer/sampling.h"
+#include "dataset/model/sampling.h"
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace renderer;
 namespace {
 
 Environment sunny_environment() {

@@ -11,6 +11,8 @@
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace validation;
 namespace {
 
 RegionResult region(const std::string& name, double value, double reach, double pixels = 1000) {

@@ -1,5 +1,5 @@
 // The stratified numbers of a path.
-#include "renderer/sampling.h"
+#include "dataset/model/sampling.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +9,7 @@
 #include "renderer/eight.h"
 
 namespace ohb {
+using namespace renderer;
 namespace {
 
 // Sobol's second dimension by its direction numbers (primitive polynomial x + 1, m1 = 1).

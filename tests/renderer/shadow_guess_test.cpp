@@ -9,6 +9,7 @@
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace renderer;
 namespace {
 
 TEST(ShadowGuess, IsNeverCertainAndDoubtsLessTheMoreItSaw) {

@@ -7,6 +7,7 @@
 #include <random>
 
 namespace ohb {
+using namespace validation;
 namespace {
 
 constexpr int kSize = 60;  // 400 bins of 3 x 3 px

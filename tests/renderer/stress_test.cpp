@@ -1,16 +1,18 @@
 // The stress catalogue at small sizes, without Cycles and without what takes gigabytes.
-#include "renderer/validation/stress.h"
+#include "dataset/studies/stress.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 
-#include "renderer/validation/stress_scenes.h"
+#include "dataset/studies/stress_scenes.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace studies;
 namespace {
 
 std::vector<StressCase> catalogue() {

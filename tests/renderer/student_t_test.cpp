@@ -1,11 +1,12 @@
 // Against closed forms and tabulated quantiles (Abramowitz and Stegun, table 26.10).
-#include "renderer/validation/student_t.h"
+#include "renderer/student_t.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 namespace ohb {
+using namespace renderer;
 namespace {
 
 TEST(StudentT, ClosedForms) {

@@ -10,6 +10,8 @@
 #include "tests/support/test_models.h"
 
 namespace ohb {
+using namespace renderer;
+using namespace surface;
 namespace {
 
 Environment white_environment() {
