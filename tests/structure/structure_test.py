@@ -1,0 +1,77 @@
+"""The source tree keeps its order: libraries, namespaces, sizes. And each check finds what it is for.
+
+usage: structure_test.py SOURCE_FOLDER [unittest's arguments]
+"""
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import structure
+
+ROOT = Path(sys.argv.pop(1)).resolve() if len(sys.argv) > 1 else Path(__file__).resolve().parents[2]
+MOST_LONG_FUNCTIONS = 10    # above 40 lines
+
+
+class Tree(unittest.TestCase):
+    def nothing(self, lines):
+        self.assertFalse(lines, "\n" + "\n".join(lines))
+
+    def test_includes_follow_the_link_graph(self):
+        self.nothing(structure.wrong_includes(ROOT))
+
+    def test_each_library_has_a_namespace_of_its_own(self):
+        self.nothing(structure.wrong_namespaces(ROOT))
+
+
+class Planted(unittest.TestCase):
+    """A small tree that is in order, with one fault at a time."""
+
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self.temporary.cleanup)
+        self.root = Path(self.temporary.name)
+        self.write("CMakeLists.txt", "add_subdirectory(low)\nadd_subdirectory(side)\nadd_subdirectory(high)\n")
+        for name, links in (("low", ""), ("side", "PUBLIC low_lib"), ("high", "PRIVATE low_lib")):
+            self.write(name + "/CMakeLists.txt",
+                       "add_library(%s_lib STATIC x.cpp)\ntarget_link_libraries(%s_lib %s)\n" % (name, name, links))
+            self.write(name + "/a.h", "namespace ohb::%s {\n}  // namespace ohb::%s\n" % (name, name))
+        for top in ("dataset", "bake", "renderer", "learner", "blender_addon", "tests"):
+            (self.root / top).mkdir()
+
+    def write(self, name, text):
+        (self.root / name).parent.mkdir(exist_ok=True)
+        (self.root / name).write_text(text)
+
+    def test_a_tree_in_order_is_clean(self):
+        self.write("high/b.cpp", '#include "low/a.h"\n')
+        for check in (structure.wrong_includes, structure.wrong_namespaces, structure.too_long):
+            self.assertEqual(check(self.root), [])
+
+    def test_an_include_upwards(self):
+        self.write("low/b.cpp", '#include "high/a.h"\n')
+        self.assertEqual(len(structure.wrong_includes(self.root)), 1)
+
+    def test_an_include_of_what_is_not_linked(self):
+        self.write("high/b.cpp", '#include "side/a.h"\n')
+        self.assertEqual(structure.wrong_includes(self.root),
+                         ["high/b.cpp: includes side/a.h, whose library side is not linked by high"])
+
+    def test_a_link_upwards(self):
+        self.write("low/CMakeLists.txt", "add_library(low_lib STATIC x.cpp)\ntarget_link_libraries(low_lib PUBLIC high_lib)\n")
+        self.assertEqual(len(structure.wrong_includes(self.root)), 1)
+
+    def test_another_librarys_namespace(self):
+        self.write("low/b.h", "namespace ohb::high {\n}\n")
+        self.assertTrue(structure.wrong_namespaces(self.root))
+
+    def test_a_long_function_and_a_long_list_of_parameters(self):
+        self.write("bake/long.cpp", "void f(\n    int a) {\n" + "  ++a;\n" * 60 + "}\n")
+        self.write("bake/wide.cpp", "void g(int a, int b, std::map<int, int> c, int d, int e, int f,\n       int h) {\n}\n")
+        self.write("bake/file.h", "//\n" * 401)
+        self.assertEqual(structure.too_long(self.root), ["bake/file.h: 401 lines", "bake/long.cpp:1: a function of 63 lines",
+                                                         "bake/wide.cpp:1: a function of 7 parameters"])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
