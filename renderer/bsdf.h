@@ -11,20 +11,24 @@
 
 namespace ohb::renderer {
 
+// Formulas are written once, over T: float, or eight of them (eight.h).
+
 /// (1 - x)^5 with x clamped to [0, 1] (Schlick's weight).
-inline float schlick_weight(float x) {
-  const float m = std::clamp(1 - x, 0.0f, 1.0f);
+template <class T>
+T schlick_weight(T x) {
+  const T zero = 0, one = 1, m = smaller(one, larger(zero, 1 - x));
   return (m * m) * (m * m) * m;
 }
 
 /// Exact unpolarised Fresnel reflectance from outside at cosine c of relative index eta >= 1.
-inline float fresnel_dielectric(float c, float eta) {
-  c = std::fabs(c);
-  const float g2 = eta * eta - 1 + c * c;
-  if (!(g2 > 0)) return 1;
-  const float g = std::sqrt(g2);
-  const float a = (g - c) / (g + c), b = (c * (g + c) - 1) / (c * (g - c) + 1);
-  return 0.5f * a * a * (1 + b * b);
+template <class T>
+T fresnel_dielectric(T c, float eta) {
+  using std::abs, std::sqrt;
+  const T zero = 0, one = 1;
+  c = abs(c);
+  const T g2 = eta * eta - 1 + c * c, g = sqrt(larger(zero, g2));
+  const T a = (g - c) / (g + c), b = (c * (g + c) - 1) / (c * (g - c) + 1);
+  return select(g2 > zero, 0.5f * a * a * (1 + b * b), one);
 }
 
 /// Relative index of refraction whose normal-incidence reflectance is f0 in [0, 1).
@@ -33,9 +37,37 @@ inline float eta_of_f0(float f0) {
 }
 
 /// Smith's masking of one direction with cosine c for isotropic GGX.
-inline float ggx_g1(float c, float alpha2) {
-  return 2 / (1 + std::sqrt(1 + alpha2 * std::max(0.0f, 1 - c * c) / (c * c)));
+template <class T>
+T ggx_g1(T c, float alpha2) {
+  using std::sqrt;
+  const T zero = 0, c2 = c * c;
+  return 2 / (1 + sqrt(1 + alpha2 * larger(zero, 1 - c2) / c2));
 }
+
+inline Vec3f halfway(Vec3f wo, Vec3f wi) {
+  return normalised(wi + wo);
+}
+inline Vec3f8 halfway(Vec3f wo, const Vec3f8& wi) {
+  const Vec3f8 sum{wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
+  const Float8 scale = 1 / sqrt(dot(sum, sum));
+  return {scale * sum.x, scale * sum.y, scale * sum.z};
+}
+
+/// GGX's density of the facet normal between wo and wi over 4 (n.wo): what the highlight and its pdf share.
+/// Zero where the facet is turned away.
+template <class T>
+struct Facet {
+  T cos_i_h, density;
+  Facet(Vec3f n, Vec3f wo, const typename Lanes<T>::Vec3& wi, float alpha2) {
+    const auto h = halfway(wo, wi);
+    const T zero = 0, cos_h = dot(n, h);
+    // 1 - cos^2 as |n x h|^2 (Lagrange's identity): the difference would cancel at small roughness.
+    const auto sine = cross(n, h);
+    const T t = alpha2 * cos_h * cos_h + dot(sine, sine);
+    cos_i_h = dot(wi, h);
+    density = select(cos_h > zero, alpha2 * kInvPi / (4 * dot(n, wo)) / (t * t), zero);
+  }
+};
 
 /// What light does that is not mirrored at the surface.
 enum class DiffuseLobe {
@@ -55,31 +87,14 @@ struct BsdfSample {
   bool is_hidden_highlight = false;
 };
 
-struct BsdfValue {
-  Vec3f value;
-  float pdf = 0;
+/// f times the cosine, and the mixture's pdf, of one direction or of eight.
+template <class T>
+struct BsdfValueOf {
+  typename Lanes<T>::Vec3 value{};
+  T pdf = 0;
 };
-
-/// The same for eight directions.
-struct BsdfValue8 {
-  Vec3f8 value;
-  Float8 pdf = 0;
-};
-
-/// fresnel_dielectric of eight cosines.
-inline Float8 fresnel_dielectric(Float8 c, float eta) {
-  const Float8 zero = 0, one = 1;
-  c = abs(c);
-  const Float8 g2 = eta * eta - 1 + c * c, g = sqrt(stdx::max(zero, g2));
-  const Float8 a = (g - c) / (g + c), b = (c * (g + c) - 1) / (c * (g - c) + 1);
-  return select(g2 > zero, 0.5f * a * a * (1 + b * b), one);
-}
-
-inline Vec3f8 halfway(Vec3f wo, const Vec3f8& wi) {
-  const Vec3f8 sum{wi.x + wo.x, wi.y + wo.y, wi.z + wo.z};
-  const Float8 scale = 1 / sqrt(dot(sum, sum));
-  return {scale * sum.x, scale * sum.y, scale * sum.z};
-}
+using BsdfValue = BsdfValueOf<float>;
+using BsdfValue8 = BsdfValueOf<Float8>;
 
 /// Numbers that eight directions are drawn with.
 struct Numbers8 {
@@ -114,72 +129,71 @@ struct Numbers8 {
   }
 };
 
-/// The first `count` of eight.
-inline void store(int count, const Vec3f8& wi, const BsdfValue8& f, Mask8 enters, float entry_share,
-                  Mask8 is_diffuse, Mask8 is_hidden_highlight, BsdfSample* samples) {
-  for (int k = 0; k < count; ++k) {
-    samples[k] = {};
-    samples[k].enters = enters[k];
-    samples[k].pdf = entry_share;
-    if (enters[k]) continue;
-    samples[k] = {{wi.x[k], wi.y[k], wi.z[k]},
-                  {f.value.x[k], f.value.y[k], f.value.z[k]},
-                  f.pdf[k],
-                  false,
-                  is_diffuse[k],
-                  is_hidden_highlight[k]};
+/// Eight directions as they were drawn.
+struct Drawn8 {
+  Vec3f8 wi;
+  BsdfValue8 f;
+  Mask8 enters, is_diffuse, is_hidden_highlight;
+  float entry_share;
+
+  /// The first `count` of them.
+  void store(int count, BsdfSample* samples) const {
+    for (int k = 0; k < count; ++k) {
+      samples[k] = {};
+      samples[k].enters = enters[k];
+      samples[k].pdf = entry_share;
+      if (enters[k]) continue;
+      samples[k] = {{wi.x[k], wi.y[k], wi.z[k]},
+                    {f.value.x[k], f.value.y[k], f.value.z[k]},
+                    f.pdf[k],
+                    false,
+                    is_diffuse[k],
+                    is_hidden_highlight[k]};
+    }
   }
-}
+};
+
+/// What a surface reflects: linear albedo, perceptual roughness, reflectance at normal incidence.
+struct Reflectance {
+  Vec3f base;
+  float roughness, f0;
+};
+
+/// Unit normals on the side of wo: the shading normal (made valid, cycles::ensure_valid_reflection), the
+/// smooth and the geometric one.
+struct ShadingFrame {
+  Vec3f n, ns, ng, wo;
+};
 
 /// From roughness 0.3 on a highlight is wide enough to be found by the lights' own directions.
 constexpr float kRoughAlpha2 = 0.0081f;
 
 class PrincipledV1 {
  public:
-  /// base: linear albedo; roughness: perceptual; f0: normal-incidence reflectance. n must already be made
-  /// valid (cycles::ensure_valid_reflection). `first_hit` turns on the defensive choice of lobes.
-  /// kRetroReflection adds the lobe that enters the surface, of weight base.
-  PrincipledV1(Vec3f base, float roughness, float f0, Vec3f n, Vec3f ns, Vec3f ng, Vec3f wo, bool first_hit,
+  /// `first_hit` turns on the defensive choice of lobes. kRetroReflection adds the lobe that enters the
+  /// surface, of weight base.
+  PrincipledV1(const Reflectance& surface, const ShadingFrame& frame, bool first_hit,
                DiffuseLobe lobe = DiffuseLobe::kWhole)
-      : base_(base),
-        n_(n),
-        ns_(ns),
-        ng_(ng),
-        wo_(wo),
-        roughness_(roughness),
-        cos_o_(dot(n, wo)),
+      : base_(surface.base),
+        n_(frame.n),
+        ns_(frame.ns),
+        ng_(frame.ng),
+        wo_(frame.wo),
+        roughness_(surface.roughness),
+        cos_o_(dot(frame.n, frame.wo)),
         lobe_(lobe) {
-    const float alpha = roughness * roughness;
+    const float alpha = roughness_ * roughness_;
     alpha2_ = alpha * alpha;
-    f0_ = std::min(f0, 1.0f);
-    eta_ = eta_of_f0(f0_);
-    bumped_ = n.x != ns.x || n.y != ns.y || n.z != ns.z;
-    has_diffuse_ = max_component(base) > cycles::kClosureWeightCutoff;
-    has_specular_ = f0 > cycles::kClosureWeightCutoff * cycles::kF0PerSpecular && cos_o_ > 0;
+    eta_ = eta_of_f0(std::min(surface.f0, 1.0f));
+    bumped_ = n_.x != ns_.x || n_.y != ns_.y || n_.z != ns_.z;
+    has_diffuse_ = max_component(base_) > cycles::kClosureWeightCutoff;
+    has_specular_ = surface.f0 > cycles::kClosureWeightCutoff * cycles::kF0PerSpecular && cos_o_ > 0;
     choose_lobes(first_hit);
   }
 
-  /// f cos and the mixture's pdf for a given direction; a mirror lobe counts as 0.
-  BsdfValue eval(Vec3f wi) const {
-    BsdfValue result;
-    const float cos_i = dot(n_, wi);
-    if (!(cos_i > 0)) return result;
-    if (has_diffuse_) {
-      result.value = diffuse(wi, cos_i);
-      result.pdf = diffuse_share_ * cos_i * kInvPi;
-    }
-    // Light below the smooth surface must not make highlights through a tilted normal (3.4.1).
-    if (has_specular_ && alpha2_ > cycles::kMirrorAlpha2 && dot(ns_, wi) > 0) add_specular(wi, cos_i, result);
-    return result;
-  }
-
-  /// eval() of eight directions.
-  BsdfValue8 eval(const Vec3f8& wi) const {
-    const Float8 zero = 0;
-    const Float8 cos_i = dot(n_, wi);
-    const Mask8 is_above = cos_i > zero;
-    return eval_lobes(wi, cos_i, is_above, is_above && dot(ns_, wi) > zero);
-  }
+  /// f cos and the mixture's pdf for a given direction, or eight; a mirror lobe counts as 0.
+  BsdfValue eval(Vec3f wi) const { return eval_seen<float>(wi); }
+  BsdfValue8 eval(const Vec3f8& wi) const { return eval_seen<Float8>(wi); }
 
   /// A direction of the mixture. u0 chooses the lobe.
   BsdfSample sample(float u0, float u1, float u2) const {
@@ -203,7 +217,12 @@ class PrincipledV1 {
       return result;
     }
     if (!(dot(ng_, result.wi) > 0)) return result;
-    const BsdfValue value = specular_chosen ? eval_sampled_specular(result.wi) : eval(result.wi);
+    // The highlight that was sampled keeps directions below the smooth surface (and below n) as long as they
+    // are above the geometric one, though eval() refuses them: such light counts with the weight that BSDF
+    // sampling has (3.4; measured: 1.2 % of the highlights of a ball with normals tilted up to 35 degrees).
+    const float cos_i = dot(n_, result.wi);
+    const BsdfValue value =
+        specular_chosen ? eval_lobes<float>(result.wi, cos_i, cos_i > 0, true) : eval(result.wi);
     result.value = value.value;
     result.pdf = value.pdf;
     result.is_hidden_highlight = specular_chosen && !(dot(n_, result.wi) > 0 && dot(ns_, result.wi) > 0);
@@ -229,10 +248,9 @@ class PrincipledV1 {
       wi = select(is_specular, numbers.mirrored_by_facets(frame, wo_, std::sqrt(alpha2_)), wi);
     const Float8 cos_i = dot(n_, wi);
     const Mask8 is_above = cos_i > zero, is_seen = is_above && dot(ns_, wi) > zero;
-    const BsdfValue8 f = eval_lobes(wi, cos_i, is_above, is_seen || is_specular);
-    const Mask8 is_left = dot(ng_, wi) > zero && (is_specular || is_diffuse);
-    store(count, wi, {f.value, select(is_left, f.pdf, zero)}, enters, entry_share_, is_diffuse,
-          is_specular && !is_seen, samples);
+    BsdfValue8 f = eval_lobes<Float8>(wi, cos_i, is_above, is_seen || is_specular);
+    f.pdf = select(dot(ng_, wi) > zero && (is_specular || is_diffuse), f.pdf, zero);
+    Drawn8{wi, f, enters, is_diffuse, is_specular && !is_seen, entry_share_}.store(count, samples);
   }
 
   /// No lobe is too narrow to be left to the lights' own directions.
@@ -288,90 +306,48 @@ class PrincipledV1 {
   // F0 is scalar, so the blend of Cycles' principled Fresnel from F0 to 1 is the dielectric curve itself.
   float fresnel(float c) const { return fresnel_dielectric(c, eta_); }
 
-  Vec3f diffuse(Vec3f wi, float cos_i) const {
-    const float wl = schlick_weight(cos_i), wv = schlick_weight(cos_o_);
-    float value = 0;
+  // Burley's diffuse lobe over base_, for directions above n_.
+  template <class T>
+  T diffuse(const typename Lanes<T>::Vec3& wi, T cos_i) const {
+    const T wl = schlick_weight(cos_i);
+    const float wv = schlick_weight(cos_o_);
+    T value = 0;
     if (lobe_ == DiffuseLobe::kWhole) value = (1 - 0.5f * wv) * (1 - 0.5f * wl);
     if (lobe_ == DiffuseLobe::kExit) value = 1 - 0.5f * wl;
     if (lobe_ != DiffuseLobe::kExit) {
-      const float retro = roughness_ * (dot(wi, wo_) + 1);
+      const T retro = roughness_ * (dot(wo_, wi) + 1);
       value += retro * (wl + wv + wl * wv * (retro - 1));
     }
     value *= cos_i * kInvPi;
-    if (bumped_) value *= cycles::bump_terminator(ns_, n_, wi);
-    return value * base_;
+    return bumped_ ? value * cycles::bump_terminator<T>(ns_, n_, wi) : value;
   }
 
   // Diffuse light of the directions that are `above`, highlights where they `shine`.
-  BsdfValue8 eval_lobes(const Vec3f8& wi, Float8 cos_i, Mask8 above, Mask8 shine) const {
-    const Float8 zero = 0;
-    Float8 diffuse = 0, specular = 0, pdf = 0;
-    if (has_diffuse_) {
-      diffuse = select(above, diffuse_eight(wi, cos_i), zero);
+  template <class T>
+  BsdfValueOf<T> eval_lobes(const typename Lanes<T>::Vec3& wi, T cos_i, typename Lanes<T>::Mask above,
+                            typename Lanes<T>::Mask shine) const {
+    const T zero = 0;
+    T below = 0, specular = 0, pdf = 0;
+    if (has_diffuse_ && any_of(above)) {
+      below = select(above, diffuse<T>(wi, cos_i), zero);
       pdf = select(above, diffuse_share_ * kInvPi * cos_i, zero);
     }
-    if (has_specular_ && alpha2_ > cycles::kMirrorAlpha2) {
-      const Vec3f8 h = halfway(wo_, wi);
-      const Float8 cos_h = dot(n_, h);
-      // 1 - cos^2 as |n x h|^2 (Lagrange's identity): the difference would cancel at small roughness.
-      const Vec3f8 sine = cross(n_, h);
-      const Float8 t = alpha2_ * cos_h * cos_h + dot(sine, sine);
-      const Float8 common = ggx_g1(cos_o_, alpha2_) * alpha2_ * kInvPi / (4 * cos_o_) / (t * t);
-      const Float8 cos2_i = cos_i * cos_i;
-      const Float8 g1 = 2 / (1 + sqrt(1 + alpha2_ * max(zero, 1 - cos2_i) / cos2_i));
-      const Mask8 counts = shine && cos_h > zero;
-      specular = select(counts, fresnel_dielectric(dot(wi, h), eta_) * common * g1, zero);
-      pdf += select(counts, specular_share() * common, zero);
+    if (has_specular_ && alpha2_ > cycles::kMirrorAlpha2 && any_of(shine)) {
+      const Facet<T> facet(n_, wo_, wi, alpha2_);
+      const T common = ggx_g1(cos_o_, alpha2_) * facet.density;
+      specular =
+          select(shine, fresnel_dielectric(facet.cos_i_h, eta_) * common * ggx_g1(cos_i, alpha2_), zero);
+      pdf += select(shine, specular_share() * common, zero);
     }
-    return {{base_.x * diffuse + specular, base_.y * diffuse + specular, base_.z * diffuse + specular}, pdf};
+    return {{base_.x * below + specular, base_.y * below + specular, base_.z * below + specular}, pdf};
   }
 
-  // diffuse() over base_ for directions above n_.
-  Float8 diffuse_eight(const Vec3f8& wi, Float8 cos_i) const {
-    const Float8 zero = 0, one = 1;
-    const Float8 m = min(one, max(zero, 1 - cos_i)), wl = (m * m) * (m * m) * m;
-    const float wv = schlick_weight(cos_o_);
-    Float8 value = 0;
-    if (lobe_ == DiffuseLobe::kWhole) value = (1 - 0.5f * wv) * (1 - 0.5f * wl);
-    if (lobe_ == DiffuseLobe::kExit) value = 1 - 0.5f * wl;
-    if (lobe_ != DiffuseLobe::kExit) {
-      const Float8 retro = roughness_ * (dot(wo_, wi) + 1);
-      value += retro * (wl + wv + wl * wv * (retro - 1));
-    }
-    value *= cos_i * kInvPi;
-    if (!bumped_) return value;
-    const Float8 below = cos_i * dot(ns_, n_), g = dot(ns_, wi) / below;
-    const Float8 softened = select(g >= one, one, select(g < zero, zero, g * (1 + g * (1 - g))));
-    return value * select(below != zero, softened, zero);
-  }
-
-  // The highlight that was sampled keeps directions below the smooth surface (and below n) as long as they
-  // are above the geometric one, though eval() refuses them: such light counts with the weight that
-  // BSDF sampling has (3.4; measured: 1.2 % of the highlights of a ball with normals tilted up to 35
-  // degrees).
-  BsdfValue eval_sampled_specular(Vec3f wi) const {
-    BsdfValue result;
-    const float cos_i = dot(n_, wi);
-    if (has_diffuse_ && cos_i > 0) {
-      result.value = diffuse(wi, cos_i);
-      result.pdf = diffuse_share_ * cos_i * kInvPi;
-    }
-    add_specular(wi, cos_i, result);
-    return result;
-  }
-
-  void add_specular(Vec3f wi, float cos_i, BsdfValue& result) const {
-    const Vec3f h = normalised(wi + wo_);
-    const float cos_h = dot(n_, h);
-    if (!(cos_h > 0)) return;
-    const Vec3f sine = cross(n_, h);
-    const float t = alpha2_ * cos_h * cos_h + dot(sine, sine);
-    const float d = alpha2_ * kInvPi / (t * t);
-    const float g1_o = ggx_g1(cos_o_, alpha2_);
-    const float common = g1_o * d / (4 * cos_o_);
-    const float value = fresnel(dot(wi, h)) * common * ggx_g1(cos_i, alpha2_);
-    result.value += Vec3f{value, value, value};
-    result.pdf += specular_share() * common;
+  // Light below the smooth surface must not make highlights through a tilted normal (3.4.1).
+  template <class T>
+  BsdfValueOf<T> eval_seen(const typename Lanes<T>::Vec3& wi) const {
+    const T zero = 0, cos_i = dot(n_, wi);
+    const typename Lanes<T>::Mask is_above = cos_i > zero;
+    return eval_lobes<T>(wi, cos_i, is_above, is_above && dot(ns_, wi) > zero);
   }
 
   BsdfSample sample_mirror() const {
@@ -388,7 +364,7 @@ class PrincipledV1 {
   float specular_share() const { return 1 - diffuse_share_ - entry_share_; }
 
   Vec3f base_, n_, ns_, ng_, wo_;
-  float roughness_, cos_o_, alpha2_, f0_, eta_, diffuse_share_, entry_share_;
+  float roughness_, cos_o_, alpha2_, eta_, diffuse_share_, entry_share_;
   DiffuseLobe lobe_;
   bool bumped_, has_diffuse_, has_specular_;
 };

@@ -14,8 +14,11 @@
 namespace ohb::renderer {
 
 /// Lambda of Smith's masking for isotropic GGX: G1 = 1 / (1 + lambda).
-inline float ggx_lambda(float c, float alpha2) {
-  return 0.5f * (std::sqrt(1 + alpha2 * std::max(0.0f, 1 / (c * c) - 1)) - 1);
+template <class T>
+T ggx_lambda(T c, float alpha2) {
+  using std::sqrt;
+  const T zero = 0;
+  return 0.5f * (sqrt(1 + alpha2 * larger(zero, 1 / (c * c) - 1)) - 1);
 }
 
 class PrincipledV2 {
@@ -27,9 +30,17 @@ class PrincipledV2 {
     bool walks = false;
   };
 
-  PrincipledV2(Vec3f base, float roughness, float f0, Subsurface subsurface, Vec3f n, Vec3f n_valid, Vec3f ns,
-               Vec3f ng, Vec3f wo, bool first_hit)
-      : n_(n), n_valid_(n_valid), ns_(ns), ng_(ng), wo_(wo), cos_o_(dot(n_valid, wo)) {
+  /// `frame` holds the mapped normal as n, `n_valid` its valid form.
+  PrincipledV2(const Reflectance& surface, Subsurface subsurface, const ShadingFrame& frame, Vec3f n_valid,
+               bool first_hit)
+      : n_(frame.n),
+        n_valid_(n_valid),
+        ns_(frame.ns),
+        ng_(frame.ng),
+        wo_(frame.wo),
+        cos_o_(dot(n_valid, frame.wo)) {
+    const float roughness = surface.roughness, f0 = surface.f0;
+    const Vec3f base = surface.base;
     const float alpha = roughness * roughness;
     alpha2_ = alpha * alpha;
     float specular_weight = 0, below = 1;
@@ -45,21 +56,9 @@ class PrincipledV2 {
     choose_lobes(specular_weight, mean(base), first_hit);
   }
 
-  /// f cos and the mixture's pdf for a given direction; a mirror lobe counts as 0.
-  BsdfValue eval(Vec3f wi) const {
-    BsdfValue result;
-    add_below(wi, result);
-    const float cos_i = dot(n_valid_, wi);
-    if (specular_share_ > 0 && alpha2_ > cycles::kMirrorAlpha2V2 && cos_i > 0 && dot(ns_, wi) >= 0)
-      add_specular(wi, cos_i, result);
-    return result;
-  }
-
-  /// eval() of eight directions.
-  BsdfValue8 eval(const Vec3f8& wi) const {
-    const Float8 zero = 0, cos_i = dot(n_valid_, wi);
-    return eval_lobes(wi, cos_i, cos_i > zero && dot(ns_, wi) >= zero);
-  }
+  /// f cos and the mixture's pdf for a given direction, or eight; a mirror lobe counts as 0.
+  BsdfValue eval(Vec3f wi) const { return eval_seen<float>(wi); }
+  BsdfValue8 eval(const Vec3f8& wi) const { return eval_seen<Float8>(wi); }
 
   /// A direction of the mixture. u0 chooses the lobe.
   BsdfSample sample(float u0, float u1, float u2) const {
@@ -85,14 +84,9 @@ class PrincipledV2 {
       return result;
     }
     if (!(dot(ng_, result.wi) > 0)) return result;
-    // A sampled highlight counts below n and the smooth normal as well (bsdf.h, eval_sampled_specular).
-    BsdfValue value;
-    if (result.is_diffuse) {
-      value = eval(result.wi);
-    } else {
-      add_below(result.wi, value);
-      add_specular(result.wi, dot(n_valid_, result.wi), value);
-    }
+    // A sampled highlight counts below n and the smooth normal as well (bsdf.h).
+    const BsdfValue value =
+        result.is_diffuse ? eval(result.wi) : eval_lobes<float>(result.wi, dot(n_valid_, result.wi), true);
     result.value = value.value;
     result.pdf = value.pdf;
     result.is_hidden_highlight =
@@ -119,10 +113,9 @@ class PrincipledV2 {
       wi = select(is_specular, numbers.mirrored_by_facets(frame, wo_, std::sqrt(alpha2_)), wi);
     const Float8 cos_i = dot(n_valid_, wi);
     const Mask8 is_seen = cos_i > zero && dot(ns_, wi) >= zero;
-    const BsdfValue8 f = eval_lobes(wi, cos_i, is_seen || is_specular);
-    const Mask8 is_left = dot(ng_, wi) > zero && (is_specular || is_diffuse);
-    store(count, wi, {f.value, select(is_left, f.pdf, zero)}, enters, entry_share_, is_diffuse,
-          is_specular && !is_seen, samples);
+    BsdfValue8 f = eval_lobes<Float8>(wi, cos_i, is_seen || is_specular);
+    f.pdf = select(dot(ng_, wi) > zero && (is_specular || is_diffuse), f.pdf, zero);
+    Drawn8{wi, f, enters, is_diffuse, is_specular && !is_seen, entry_share_}.store(count, samples);
   }
 
   /// As in v1.
@@ -185,8 +178,10 @@ class PrincipledV2 {
 
   float blend(float share) const { return f0_ + share * (1 - f0_); }
 
-  float fresnel(float c) const {
-    return blend(std::clamp((fresnel_dielectric(c, eta_) - real_f0_) / (1 - real_f0_), 0.0f, 1.0f));
+  template <class T>
+  T fresnel(T c) const {
+    const T zero = 0, one = 1, relative = (fresnel_dielectric(c, eta_) - real_f0_) / (1 - real_f0_);
+    return f0_ + (1 - f0_) * smaller(one, larger(zero, relative));
   }
 
   void choose_lobes(float specular_weight, float mean_base, bool first_hit) {
@@ -206,70 +201,35 @@ class PrincipledV2 {
     entry_share_ = scale * weights[3];
   }
 
-  void add_below(Vec3f wi, BsdfValue& result) const {
-    if (diffuse_share_ > 0) add_lambert(n_, diffuse_, diffuse_share_, wi, result);
-    if (medium_share_ > 0) add_lambert(n_valid_, medium_, medium_share_, wi, result);
-  }
-
-  void add_lambert(Vec3f n, Vec3f albedo, float share, Vec3f wi, BsdfValue& result) const {
-    const float value = dot(n, wi) * kInvPi;
-    if (!(value > 0)) return;
-    result.pdf += share * value;
-    const bool bumped = n.x != ns_.x || n.y != ns_.y || n.z != ns_.z;
-    result.value += (bumped ? value * cycles::bump_terminator_v2(ns_, n, wi) : value) * albedo;
-  }
-
-  void add_specular(Vec3f wi, float cos_i, BsdfValue& result) const {
-    const Vec3f h = normalised(wi + wo_);
-    const float cos_h = dot(n_valid_, h);
-    if (!(cos_h > 0)) return;
-    const Vec3f sine = cross(n_valid_, h);
-    const float t = alpha2_ * cos_h * cos_h + dot(sine, sine);
-    const float common = alpha2_ * kInvPi / (t * t) / (4 * cos_o_);
-    const float lambda_o = ggx_lambda(cos_o_, alpha2_), lambda_i = ggx_lambda(cos_i, alpha2_);
-    const float value = scale_ * fresnel(dot(wi, h)) * common / (1 + lambda_o + lambda_i);
-    result.value += Vec3f{value, value, value};
-    result.pdf += specular_share_ * common / (1 + lambda_o);
-  }
-
   // What is below the layer, and the layer's highlights where they `shine`.
-  BsdfValue8 eval_lobes(const Vec3f8& wi, Float8 cos_i, Mask8 shine) const {
-    const Float8 zero = 0, one = 1;
-    BsdfValue8 result{{0, 0, 0}, 0};
+  template <class T>
+  BsdfValueOf<T> eval_lobes(const typename Lanes<T>::Vec3& wi, T cos_i, typename Lanes<T>::Mask shine) const {
+    const T zero = 0;
+    BsdfValueOf<T> result;
     if (diffuse_share_ > 0) add_lambert(n_, diffuse_, diffuse_share_, wi, result);
     if (medium_share_ > 0) add_lambert(n_valid_, medium_, medium_share_, wi, result);
-    if (!(specular_share_ > 0) || alpha2_ <= cycles::kMirrorAlpha2V2) return result;
-    const Vec3f8 h = halfway(wo_, wi);
-    const Float8 cos_h = dot(n_valid_, h);
-    const Vec3f8 sine = cross(n_valid_, h);
-    const Float8 t = alpha2_ * cos_h * cos_h + dot(sine, sine);
-    const Float8 common = alpha2_ * kInvPi / (4 * cos_o_) / (t * t);
+    if (!(specular_share_ > 0) || alpha2_ <= cycles::kMirrorAlpha2V2 || !any_of(shine)) return result;
+    const Facet<T> facet(n_valid_, wo_, wi, alpha2_);
     const float lambda_o = ggx_lambda(cos_o_, alpha2_);
-    const Float8 lambda_i = 0.5f * (sqrt(1 + alpha2_ * stdx::max(zero, 1 / (cos_i * cos_i) - 1)) - 1);
-    const Float8 relative = (fresnel_dielectric(dot(wi, h), eta_) - real_f0_) / (1 - real_f0_);
-    const Float8 fresnel = f0_ + (1 - f0_) * stdx::min(one, stdx::max(zero, relative));
-    const Mask8 counts = shine && cos_h > zero;
-    const Float8 value = select(counts, scale_ * fresnel * common / (1 + lambda_o + lambda_i), zero);
+    const T masking = 1 + lambda_o + ggx_lambda(cos_i, alpha2_);
+    const T value = select(shine, scale_ * fresnel(facet.cos_i_h) * facet.density / masking, zero);
     result.value.x += value, result.value.y += value, result.value.z += value;
-    result.pdf += select(counts, specular_share_ / (1 + lambda_o) * common, zero);
+    result.pdf += select(shine, specular_share_ / (1 + lambda_o) * facet.density, zero);
     return result;
   }
 
-  void add_lambert(Vec3f n, Vec3f albedo, float share, const Vec3f8& wi, BsdfValue8& result) const {
-    const Float8 zero = 0, one = 1, cos_i = dot(n, wi);
-    const Float8 lambert = kInvPi * stdx::max(cos_i, zero);
+  template <class T>
+  BsdfValueOf<T> eval_seen(const typename Lanes<T>::Vec3& wi) const {
+    const T zero = 0, cos_i = dot(n_valid_, wi);
+    return eval_lobes<T>(wi, cos_i, cos_i > zero && dot(ns_, wi) >= zero);
+  }
+
+  template <class T, class Vec3>
+  void add_lambert(Vec3f n, Vec3f albedo, float share, const Vec3& wi, BsdfValueOf<T>& result) const {
+    const T zero = 0, lambert = kInvPi * larger(dot(n, wi), zero);
     result.pdf += share * lambert;
-    Float8 value = lambert;
-    if (n.x != ns_.x || n.y != ns_.y || n.z != ns_.z) {
-      // cycles::bump_terminator_v2
-      const float cos_tilt = dot(ns_, n);
-      const Float8 c = dot(ns_, wi), size = abs(c);
-      const float alpha2 = std::clamp(0.125f * (1 / (cos_tilt * cos_tilt) - 1), 0.0f, 1.0f);
-      Float8 factor = 2 / (1 + sqrt(1 + alpha2 * (1 / (c * c) - 1)));
-      factor = select(size < Float8(1e-6f), zero, factor);
-      factor = select(Mask8(std::fabs(cos_tilt) >= 1) || size >= one, one, factor);
-      value *= select(c * cos_tilt * cos_i < zero, zero, factor);
-    }
+    T value = lambert;
+    if (n.x != ns_.x || n.y != ns_.y || n.z != ns_.z) value *= cycles::bump_terminator_v2<T>(ns_, n, wi);
     result.value.x += albedo.x * value, result.value.y += albedo.y * value;
     result.value.z += albedo.z * value;
   }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dataset/model/vec.h"
+#include "renderer/eight.h"
 
 namespace ohb::renderer::cycles {
 
@@ -64,25 +64,27 @@ inline Vec3f ensure_valid_reflection(Vec3f ng, Vec3f wo, Vec3f n) {
 }
 
 /// Softens the terminator of bumped diffuse lobes: factor on the lobe where n differs from the smooth normal
-/// ns (up to 4.4; Estevez et al. 2019 in the cubic form of Chiang et al. 2019).
-inline float bump_terminator(Vec3f ns, Vec3f n, Vec3f wi) {
-  const float cos_i = dot(n, wi) * dot(ns, n);
-  if (!(cos_i != 0)) return 0;
-  const float g = dot(ns, wi) / cos_i;
-  if (g >= 1) return 1;
-  if (g < 0) return 0;
-  return g * (1 + g * (1 - g));
+/// ns (up to 4.4; Estevez et al. 2019 in the cubic form of Chiang et al. 2019), of one direction or eight.
+template <class T>
+T bump_terminator(Vec3f ns, Vec3f n, const typename Lanes<T>::Vec3& wi) {
+  const T zero = 0, one = 1, below = dot(n, wi) * dot(ns, n), g = dot(ns, wi) / below;
+  const T softened = select(g >= one, one, select(g < zero, zero, g * (1 + g * (1 - g))));
+  return select(below != zero, softened, zero);
 }
 
 /// The same from 4.5 on (Estevez et al. 2019, equations 3 and 4, with the angle to ns): masking of GGX as
 /// wide as the normal is tilted.
-inline float bump_terminator_v2(Vec3f ns, Vec3f n, Vec3f wi) {
-  const float cos_i = dot(ns, wi), cos_tilt = dot(ns, n);
-  if (cos_i * cos_tilt * dot(n, wi) < 0) return 0;
-  if (std::fabs(cos_tilt) >= 1 || std::fabs(cos_i) >= 1) return 1;
-  if (std::fabs(cos_i) < 1e-6f) return 0;
+template <class T>
+T bump_terminator_v2(Vec3f ns, Vec3f n, const typename Lanes<T>::Vec3& wi) {
+  using std::sqrt, std::abs;
+  using Mask = typename Lanes<T>::Mask;
+  const T zero = 0, one = 1, c = dot(ns, wi), size = abs(c);
+  const float cos_tilt = dot(ns, n);
   const float alpha2 = std::clamp(0.125f * (1 / (cos_tilt * cos_tilt) - 1), 0.0f, 1.0f);
-  return 2 / (1 + std::sqrt(1 + alpha2 * (1 / (cos_i * cos_i) - 1)));
+  T factor = 2 / (1 + sqrt(1 + alpha2 * (1 / (c * c) - 1)));
+  factor = select(size < T(1e-6f), zero, factor);
+  factor = select(Mask(std::fabs(cos_tilt) >= 1) || size >= one, one, factor);
+  return select(c * cos_tilt * dot(n, wi) < zero, zero, factor);
 }
 
 }  // namespace ohb::renderer::cycles

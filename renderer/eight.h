@@ -1,6 +1,8 @@
 // Eight numbers at once, for the inner loop that asks a BSDF for several directions.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <experimental/simd>
@@ -34,6 +36,41 @@ inline Float8 select(Mask8 yes, Float8 a, Float8 b) {
   stdx::where(yes, b) = a;
   return b;
 }
+
+// One spelling for one number and for eight, so that a formula is written once over its type.
+inline float select(bool yes, float a, float b) {
+  return yes ? a : b;
+}
+inline float larger(float a, float b) {
+  return std::max(a, b);
+}
+inline Float8 larger(Float8 a, Float8 b) {
+  return stdx::max(a, b);
+}
+inline float smaller(float a, float b) {
+  return std::min(a, b);
+}
+inline Float8 smaller(Float8 a, Float8 b) {
+  return stdx::min(a, b);
+}
+inline bool any_of(bool yes) {
+  return yes;
+}
+inline bool any_of(Mask8 yes) {
+  return stdx::any_of(yes);
+}
+template <class T>
+struct Lanes;
+template <>
+struct Lanes<float> {
+  using Vec3 = Vec3f;
+  using Mask = bool;
+};
+template <>
+struct Lanes<Float8> {
+  using Vec3 = Vec3f8;
+  using Mask = Mask8;
+};
 
 inline Vec3f8 select(Mask8 yes, const Vec3f8& a, const Vec3f8& b) {
   return {select(yes, a.x, b.x), select(yes, a.y, b.y), select(yes, a.z, b.z)};

@@ -69,7 +69,7 @@ class Asker {
       // One reflection of even light, seen from a random direction. Principled v1 for both models.
       const Vec2f from = random_.next_pair(), to = random_.next_pair();
       const Vec3f n{0, 0, 1}, wo = sample_cosine_hemisphere(from.x, from.y);
-      const PrincipledV1 bsdf(texel.albedo, texel.roughness, srgb_to_linear(texel.specular), n, n, n, wo,
+      const PrincipledV1 bsdf({texel.albedo, texel.roughness, srgb_to_linear(texel.specular)}, {n, n, n, wo},
                               false);
       const BsdfSample reflected = bsdf.sample(random_.next(), to.x, to.y);
       const Vec3f share = reflected.value / std::max(reflected.pdf, 1e-6f);

@@ -30,25 +30,36 @@ inline Expected8 expect(const LightCandidates& candidates, const LightCache::Kno
   return expected;
 }
 
+/// A surface at which a path asks the lights (next-event estimation).
+template <class Bsdf>
+struct LightQuery {
+  const SurfacePoint& point;
+  const Bsdf& bsdf;
+  Vec3f throughput;
+  const Split& split;
+  const LightCache::Known* known = nullptr;  // null: no cache
+  ShadowGuess* guess = nullptr;              // null: none
+};
+
 /// What is expected to arrive from the directions that environment `l` suggests, and shadow rays to some of
 /// them, chosen by how far off each may be (resampled importance sampling, Talbot et al. 2005, equation 6);
 /// where nothing is expected, by what it would bring. What is expected of the eight is added to `arrives`.
 template <class Bsdf>
-void sample_environment(const PathContext& c, size_t l, const SurfacePoint& point, const Bsdf& bsdf,
-                        Vec3f throughput, const LightNumbers& u, const Split& split,
-                        const LightCache::Known* known, ShadowGuess* guess, Vec3f8& arrives, Tile& tile) {
+void sample_environment(const PathContext& c, size_t l, const LightQuery<Bsdf>& at, const LightNumbers& u,
+                        Vec3f8& arrives, Tile& tile) {
   constexpr int kCount = LightCandidates::kCount;
   const LightCandidates& candidates = tile.pools[l].at({u.along.y, u.across});
   const auto eight = [](const float* values) { return Float8(values, stdx::vector_aligned); };
   const Vec3f8 wi{eight(candidates.wi_x), eight(candidates.wi_y), eight(candidates.wi_z)};
   const Vec3f8 light{eight(candidates.red), eight(candidates.green), eight(candidates.blue)};
   const Float8 pdf = eight(candidates.pdf);
-  const BsdfValue8 f = bsdf.eval(wi);
+  const BsdfValue8 f = at.bsdf.eval(wi);
   // The power heuristic over the pdf.
-  const Float8 ratio = f.pdf / (split.worth * pdf), scale = 1 / (pdf * (1 + ratio * ratio));
+  const Float8 ratio = f.pdf / (at.split.worth * pdf), scale = 1 / (pdf * (1 + ratio * ratio));
   const Float8 zero = 0;
   const Mask8 shines = pdf > zero;
   const auto shining = [&](Float8 v) { return select(shines, v, zero); };
+  const Vec3f throughput = at.throughput / static_cast<float>(at.split.groups);
   const Vec3f8 value{shining(throughput.x * f.value.x * light.x * scale),
                      shining(throughput.y * f.value.y * light.y * scale),
                      shining(throughput.z * f.value.z * light.z * scale)};
@@ -56,17 +67,17 @@ void sample_environment(const PathContext& c, size_t l, const SurfacePoint& poin
   const float whole = stdx::reduce(size);
   if (!std::isfinite(whole)) ++tile.nonfinite;
   if (!(whole > 0) || !std::isfinite(whole)) return;
-  float rays = static_cast<float>(split.picks);
+  float rays = static_cast<float>(at.split.picks);
   Expected8 expected;
-  if (known || guess) {
-    expected = expect(candidates, known, guess);
+  if (at.known || at.guess) {
+    expected = expect(candidates, at.known, at.guess);
     arrives = {arrives.x + expected.share * value.x, arrives.y + expected.share * value.y,
                arrives.z + expected.share * value.z};
   }
   const Float8 weight = size * expected.doubt;
   const float doubted = stdx::reduce(weight);
   if (!(doubted > 0)) return;
-  if (guess) rays *= ShadowGuess::rays(doubted / whole);
+  if (at.guess) rays *= ShadowGuess::rays(doubted / whole);
   const float step = doubted / rays;
   float place = u.along.x * step;
   if (!(step > 0) || place >= doubted) return;  // 0: below what a float holds
@@ -80,42 +91,40 @@ void sample_environment(const PathContext& c, size_t l, const SurfacePoint& poin
     if (!(chosen_weight > 0)) continue;
     const Vec3f chosen_wi{candidates.wi_x[chosen], candidates.wi_y[chosen], candidates.wi_z[chosen]};
     const Vec3f chosen_value{value.x[chosen], value.y[chosen], value.z[chosen]};
-    tile.waiting.push_back({{ray_origin(c.scene, point.position, point.ng, chosen_wi), chosen_wi},
+    tile.waiting.push_back({{ray_origin(c.scene, at.point.position, at.point.ng, chosen_wi), chosen_wi},
                             std::numeric_limits<float>::infinity(),
                             chosen_value * (step / (chosen_weight * static_cast<float>(kCount))),
                             static_cast<uint32_t>(l),
                             expected.share[chosen],
-                            guess ? &guess->at(candidates.cell[chosen]) : nullptr});
+                            at.guess ? &at.guess->at(candidates.cell[chosen]) : nullptr});
   }
 }
 
+/// Asks every light: their shadow rays wait in the tile.
 template <class Bsdf>
-void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, Vec3f throughput,
-                   const LightNumbers& u, const Split& split, const LightCache::Known* known,
-                   ShadowGuess* guess, Tile& tile) {
+void sample_lights(const PathContext& c, const LightQuery<Bsdf>& at, const LightNumbers& u, Tile& tile) {
   // One set of numbers for all lights: each light's image is unbiased by itself.
-  const Vec3f share = throughput / static_cast<float>(split.groups);
   for (size_t l = 0; l < c.lights.environments.size(); ++l) {
     Vec3f8 arrives{0, 0, 0};
-    for (int k = 0; k < split.groups; ++k)
-      sample_environment(c, l, point, bsdf, share, u.of(k, split.groups), split, known, guess, arrives, tile);
-    if (known || guess)
+    for (int k = 0; k < at.split.groups; ++k)
+      sample_environment(c, l, at, u.of(k, at.split.groups), arrives, tile);
+    if (at.known || at.guess)
       add(Vec3f{stdx::reduce(arrives.x), stdx::reduce(arrives.y), stdx::reduce(arrives.z)} /
               static_cast<float>(LightCandidates::kCount),
           tile.radiance[l], tile);
   }
   for (size_t i = 0; i < c.lights.points.size(); ++i) {
     const PointLight& light = c.lights.points[i];
-    const Vec3f to_light = turn_about_y(light.position_cm, -c.turn_rad) - point.position;
+    const Vec3f to_light = turn_about_y(light.position_cm, -c.turn_rad) - at.point.position;
     const float distance_cm = length(to_light);
     if (!(distance_cm > 0)) continue;
     const Vec3f wi = to_light / distance_cm;
-    const BsdfValue f = bsdf.eval(wi);
+    const BsdfValue f = at.bsdf.eval(wi);
     if (!(max_component(f.value) > 0)) continue;
     const float distance_m = distance_cm * 0.01f;
-    tile.waiting.push_back({{ray_origin(c.scene, point.position, point.ng, wi), wi},
+    tile.waiting.push_back({{ray_origin(c.scene, at.point.position, at.point.ng, wi), wi},
                             distance_cm,
-                            throughput * f.value * (light.intensity / (distance_m * distance_m)),
+                            at.throughput * f.value * (light.intensity / (distance_m * distance_m)),
                             static_cast<uint32_t>(c.lights.environments.size() + i),
                             0,
                             nullptr});
@@ -124,7 +133,7 @@ void sample_lights(const PathContext& c, const SurfacePoint& point, const Bsdf& 
 
 /// The shadow rays of what waits, eight at once: they start close to each other.
 template <bool kCutouts>
-void ask_shadows(const PathContext& c, Tile& tile, Vec3f* radiance) {
+void ask_shadows(const PathContext& c, Tile& tile) {
   float shares[8];
   for (size_t i = 0; i < tile.waiting.size(); i += 8) {
     const WaitingLight* lights = &tile.waiting[i];
@@ -133,18 +142,17 @@ void ask_shadows(const PathContext& c, Tile& tile, Vec3f* radiance) {
     for (int k = 0; k < count; ++k) {
       if (lights[k].seen) lights[k].seen->add(shares[k]);
       const float unexpected = shares[k] - lights[k].expected;
-      if (unexpected != 0) add(unexpected * lights[k].value, radiance[lights[k].light], tile);
+      if (unexpected != 0) add(unexpected * lights[k].value, tile.radiance[lights[k].light], tile);
     }
   }
   tile.waiting.clear();
 }
 
-inline void add_environments(const PathContext& c, const PathState& state, MapPlace place, Tile& tile,
-                             Vec3f* radiance) {
+inline void add_environments(const PathContext& c, const PathState& state, MapPlace place, Tile& tile) {
   for (size_t l = 0; l < c.lights.environments.size(); ++l) {
     const EnvironmentValue value = c.lights.environments[l].at(place);
     const float weight = power_heuristic(state.bsdf_pdf, state.lights_worth * value.pdf);
-    add(weight * value.radiance * state.throughput, radiance[l], tile);
+    add(weight * value.radiance * state.throughput, tile.radiance[l], tile);
   }
 }
 
@@ -185,76 +193,87 @@ bool ends_at(const PathContext& c, const PathState& state, const Bsdf& bsdf) {
 
 /// What other surfaces send to where a path ends, if the cache has it.
 template <class Bsdf>
-void add_from_surfaces(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, Vec3f throughput,
-                       float lobe, Vec2f u, const LightCache::Known* known, Tile& tile) {
-  if (!known) return;
-  const BsdfSample next = bsdf.sample(lobe, u.x, u.y);
+void add_from_surfaces(const PathContext& c, const LightQuery<Bsdf>& at, float lobe, Vec2f u, Tile& tile) {
+  if (!at.known) return;
+  const SurfacePoint& point = at.point;
+  const BsdfSample next = at.bsdf.sample(lobe, u.x, u.y);
   if (next.enters || !(next.pdf > 0)) return;
-  throughput *= next.value / next.pdf;
+  Vec3f throughput = at.throughput * (next.value / next.pdf);
   const uint32_t* corners = corners_of(c.scene, point.hit);
   const float weights[3] = {1 - point.hit.u - point.hit.v, point.hit.u, point.hit.v};
   if (!next.is_diffuse) {
     // A highlight shows what stands in its direction.
     const int cell = DirectionCells::of(next.wi);
     const float share = c.cache->blocked_share(corners, weights, point.is_back);
-    if (known->free[cell] || !(share > 0)) return;
-    throughput *= (known->maybe[cell] ? 0.5f : 1.0f) / share;
+    if (at.known->free[cell] || !(share > 0)) return;
+    throughput *= (at.known->maybe[cell] ? 0.5f : 1.0f) / share;
   }
   for (size_t l = 0; l < c.lights.size(); ++l)
     add(throughput * c.cache->from_surfaces(corners, weights, point.is_back, l), tile.radiance[l], tile);
 }
 
-/// Walk k of n goes under the surface; where it comes out again is up to leave_walks().
+/// A path goes under the surface; where it comes out again is up to leave_walks().
 template <class Bsdf>
-void begin_walk(const SurfacePoint& entry, const Bsdf& bsdf, uint32_t triangle, const WalkMedium& medium,
-                const WalkNumbers& numbers, int k, int n, const PathState& state, Tile& tile) {
-  const Vec3f inwards = bsdf.entry_direction(lattice_point(numbers.entry, k, n));
-  tile.walks.push_back({entry.position, entry.ng, bsdf.entry_axis(), inwards, triangle, &medium,
-                        state.random.branch(static_cast<uint64_t>(k))});
-  tile.walking.push_back({state, numbers, k, n});
+void begin_walk(const SurfacePoint& entry, const Bsdf& bsdf, const WalkMedium& medium,
+                const WalkingPath& path, Tile& tile) {
+  const Vec3f inwards = bsdf.entry_direction(lattice_point(path.numbers.entry, path.k, path.n));
+  tile.walks.push_back({entry.position, entry.ng, bsdf.entry_axis(), inwards, entry.hit.triangle, &medium,
+                        path.state.random.branch(static_cast<uint64_t>(path.k))});
+  tile.walking.push_back(path);
   tile.walking.back().state.throughput *= bsdf.entry_weight();
+}
+
+/// Branch k of the n that a path splits into at the first surface.
+inline PathState branch_of(const PathState& state, int number, int n) {
+  PathState one = state;
+  one.throughput *= 1 / static_cast<float>(n);
+  one.random = state.sampler->random.branch(static_cast<uint64_t>(number));
+  return one;
+}
+
+/// The reflections of a path at the first surface, all drawn at once.
+template <class Bsdf>
+void reflect_first(const PathContext& c, const LightQuery<Bsdf>& at, float lobe, Vec2f u,
+                   const PathState& state, Tile& tile) {
+  static_assert(std::max({kRoughReflections, kNarrowReflections, kWalkReflections, kHighlightReflections}) <=
+                8);
+  float lobes[8];
+  Vec2f directions[8];
+  BsdfSample next[8];
+  const int count = at.split.reflections;
+  for (int k = 0; k < count; ++k) {
+    directions[k] = lattice_point(u, k, count);
+    lobes[k] = (static_cast<float>(k) + lobe) / static_cast<float>(count);
+  }
+  if (count > 0) at.bsdf.sample(count, lobes, directions, next);
+  for (int k = 0; k < count; ++k) {
+    PathState one = branch_of(state, k, count);
+    if (!next[k].enters && bounce_off(c, at.point, next[k], at.split.worth, one))
+      send_on(at.known, one, tile);
+  }
 }
 
 /// What leaves the first surface: to the lights, by reflection, and by walks under it, with which reflections
 /// do not compete.
 template <class Bsdf>
-void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, uint32_t triangle,
-             bool walks_under, const PathState& state, Tile& tile) {
+void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, bool walks_under,
+             const PathState& state, Tile& tile) {
   PathSampler& sampler = *state.sampler;
   const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
   Split split =
       Split::of_first(c.lights.environments.size(), bsdf.is_rough(), walks_under, c.cache != nullptr);
   const bool ends = ends_at(c, state, bsdf);
   if (ends) split = split.without_reflections();
-  const LightCache::Known* known = known_at(c, point, tile);
-  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, known, tile.guess, tile);
-  if (ends) add_from_surfaces(c, point, bsdf, state.throughput, across_and_lobe.y, u, known, tile);
-  const auto branch = [&](int k, int n) {
-    PathState one = state;
-    one.throughput *= 1 / static_cast<float>(n);
-    one.random = sampler.random.branch(static_cast<uint64_t>(k));
-    return one;
-  };
-  static_assert(std::max({kRoughReflections, kNarrowReflections, kWalkReflections, kHighlightReflections}) <=
-                8);
-  float lobes[8];
-  Vec2f directions[8];
-  BsdfSample next[8];
-  for (int k = 0; k < split.reflections; ++k) {
-    directions[k] = lattice_point(u, k, split.reflections);
-    lobes[k] = (static_cast<float>(k) + across_and_lobe.y) / static_cast<float>(split.reflections);
-  }
-  if (split.reflections > 0) bsdf.sample(split.reflections, lobes, directions, next);
-  for (int k = 0; k < split.reflections; ++k) {
-    PathState one = branch(k, split.reflections);
-    if (!next[k].enters && bounce_off(c, point, next[k], split.worth, one)) send_on(known, one, tile);
-  }
+  const LightQuery<Bsdf> query{point, bsdf, state.throughput, split, known_at(c, point, tile), tile.guess};
+  sample_lights(c, query, {along, across_and_lobe.x}, tile);
+  if (ends) add_from_surfaces(c, query, across_and_lobe.y, u, tile);
+  reflect_first(c, query, across_and_lobe.y, u, state, tile);
   if (!walks_under) return;
   const WalkMedium& medium = tile.media.emplace_back(point.texel);
   const WalkNumbers numbers(sampler);
   for (int k = 0; k < split.walks; ++k)
-    begin_walk(point, bsdf, triangle, medium, numbers, k, split.walks,
-               branch(split.reflections + k, split.walks), tile);
+    begin_walk(point, bsdf, medium,
+               {branch_of(state, split.reflections + k, split.walks), numbers, k, split.walks}, tile);
 }
 
 /// A surface that another shows: what leaves it, as the cache has it.
@@ -281,26 +300,26 @@ void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile)
   if (bsdf.is_black()) return;
   if (is_first && c.cache && !walks_under && !bsdf.is_rough()) {
     // Reflections for the highlight alone: the rest ends here.
-    fan_out(c, point, bsdf.highlight(), hit.triangle, false, state, tile);
-    fan_out(c, point, bsdf.without_highlight(), hit.triangle, false, state, tile);
+    fan_out(c, point, bsdf.highlight(), false, state, tile);
+    fan_out(c, point, bsdf.without_highlight(), false, state, tile);
     return;
   }
   if (is_first) {
-    fan_out(c, point, bsdf, hit.triangle, walks_under, state, tile);
+    fan_out(c, point, bsdf, walks_under, state, tile);
     return;
   }
   Random& random = state.random;
   const Vec2f along = random.next_pair(), across_and_lobe = random.next_pair(), u = random.next_pair();
   const bool ends = ends_at(c, state, bsdf);
   const Split split = ends ? Split().without_reflections() : Split();
-  sample_lights(c, point, bsdf, state.throughput, {along, across_and_lobe.x}, split, nullptr, nullptr, tile);
+  sample_lights(c, LightQuery<Bsdf>{point, bsdf, state.throughput, split}, {along, across_and_lobe.x}, tile);
   if (ends && !walks_under) return;
   const BsdfSample next = bsdf.sample(across_and_lobe.y, u.x, u.y);
   if (next.enters) {
     // The walk's medium has the colour: the lobe's weight is only its share.
     state.throughput *= 1 / next.pdf;
-    begin_walk(point, bsdf, hit.triangle, tile.media.emplace_back(point.texel), WalkNumbers(random), 0, 1,
-               state, tile);
+    const WalkNumbers numbers(random);
+    begin_walk(point, bsdf, tile.media.emplace_back(point.texel), {state, numbers, 0, 1}, tile);
   } else if (!ends && bounce_off(c, point, next, split.worth, state)) {
     tile.next.push_back(state);
   }

@@ -60,88 +60,128 @@ struct TileBox {
   uint64_t number;
 };
 
+/// The paths of one tile, block of samples after block: those of a block share the candidates of the lights.
+template <bool kCutouts, class Bsdf>
+class TileRenderer {
+ public:
+  TileRenderer(const Picture& picture, const PathRange& paths, const TileBox& box, std::vector<float>* work)
+      : picture_(picture),
+        paths_(paths),
+        box_(box),
+        work_(work),
+        lights_(picture.context.lights.size()),
+        guesses_(paths.by_class) {
+    const PixelBox& px = box.pixels;
+    sums_.resize(static_cast<size_t>(px.x1 - px.x0) * (px.y1 - px.y0) * lights_);
+    samplers_.reserve(kPathsAtOnce);
+    tile.pools.resize(picture.context.lights.environments.size());
+  }
+
+  void render() {
+    uint32_t next = ~0u, end = 0;
+    each_pixel([&](int x, int y, Vec3f*) {
+      const auto [first, last] = samples_of(x, y);
+      if (first < last) next = std::min(next, first), end = std::max(end, last);
+    });
+    while (next < end) {
+      const PoolBlock block = PoolBlock::of(next, tile.pools.size());
+      for (int of = 0; of < (paths_.by_class ? kPixelClasses : 1); ++of) {
+        fill_pools(block, of);
+        each_pixel([&](int x, int y, Vec3f* sum) {
+          if (!paths_.by_class || pixel_class(x, y) == of) trace_pixel(x, y, block, sum);
+        });
+      }
+      next = block.end;
+    }
+  }
+
+  /// The mean of each pixel's paths, where the picture is wanted.
+  void write(std::vector<SampleLight>& images) {
+    const PixelBox& wanted = picture_.box;
+    each_pixel([&](int x, int y, const Vec3f* sum) {
+      if (x < wanted.x0 || x >= wanted.x1 || y < wanted.y0 || y >= wanted.y1) return;
+      const auto [first, last] = samples_of(x, y);
+      tile.paths += last - first;
+      if (work_) (*work_)[pixel_of(x, y)] += kWorkOfPath * static_cast<float>(last - first);
+      for (size_t l = 0; l < lights_ && first < last; ++l) {
+        float* out = images[l].radiance.pixel(x, y);
+        const Vec3f mean_radiance = sum[l] / static_cast<float>(last - first);
+        out[0] = mean_radiance.x, out[1] = mean_radiance.y, out[2] = mean_radiance.z;
+      }
+    });
+  }
+
+  Tile tile;
+
+ private:
+  size_t pixel_of(int x, int y) const { return static_cast<size_t>(y) * picture_.settings.size_px + x; }
+
+  std::pair<uint32_t, uint32_t> samples_of(int x, int y) const {
+    const uint32_t first = paths_.first ? (*paths_.first)[pixel_of(x, y)] : 0;
+    return {first, first + paths_.count[pixel_of(x, y)]};
+  }
+
+  template <class Act>
+  void each_pixel(const Act& act) {
+    const PixelBox& px = box_.pixels;
+    size_t i = 0;
+    for (int y = px.y0; y < px.y1; ++y)
+      for (int x = px.x0; x < px.x1; ++x, i += lights_) act(x, y, &sums_[i]);
+  }
+
+  void fill_pools(const PoolBlock& block, int pixel_class) {
+    const uint64_t key = mix_bits(paths_.seed ^ (kPoolSeeds + (static_cast<uint64_t>(pixel_class) << 32)));
+    const bool with_cells = picture_.cache != nullptr || picture_.settings.guess_shadows;
+    const int columns_log2 = std::max(3, (block.log2 + 1) / 2);
+    const int rows_log2 = std::min(block.log2 / 2, block.log2 - 3);
+    for (size_t l = 0; l < tile.pools.size(); ++l)
+      tile.pools[l].fill(picture_.context.lights.environments[l], picture_.context.turn_rad, columns_log2,
+                         rows_log2, mix_bits(key + box_.number) + block.first, with_cells);
+  }
+
+  /// Those of a pixel's paths that belong to a block.
+  void trace_pixel(int x, int y, const PoolBlock& block, Vec3f* radiance) {
+    const auto [first, last] = samples_of(x, y);
+    const double work_before = tile.rays.work();
+    const uint32_t stop = std::min(last, block.end);
+    tile.guess = picture_.settings.guess_shadows ? &guesses_.at(x, y) : nullptr;
+    tile.radiance = radiance;
+    for (uint32_t s = std::max(first, block.first); s < stop;) {
+      samplers_.clear();
+      for (size_t i = 0; i < kPathsAtOnce && s < stop; ++i, ++s) begin_path(x, y, s);
+      trace_paths<kCutouts, Bsdf>(picture_.context, tile);
+    }
+    if (work_) (*work_)[pixel_of(x, y)] += static_cast<float>(tile.rays.work() - work_before);
+  }
+
+  void begin_path(int x, int y, uint32_t s) {
+    PathSampler& sampler = samplers_.emplace_back(paths_.seed, pixel_of(x, y), s);
+    PathState& path = tile.next.emplace_back(sampler);
+    const Vec2f jitter = sampler.next_pair();
+    const bool centre = s == 0 && picture_.settings.first_sample_at_centre;
+    path.ray = picture_.view.ray(static_cast<float>(x) + (centre ? 0.5f : jitter.x),
+                                 static_cast<float>(y) + (centre ? 0.5f : jitter.y));
+  }
+
+  const Picture& picture_;
+  const PathRange& paths_;
+  const TileBox& box_;
+  std::vector<float>* work_;
+  size_t lights_;
+  std::vector<Vec3f> sums_;  // one a pixel and light
+  Guesses guesses_;
+  std::vector<PathSampler> samplers_;  // of the paths at work
+};
+
 template <bool kCutouts, class Bsdf>
 Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& box,
                  std::vector<SampleLight>& images, std::vector<float>* work,
                  std::vector<RecordedRay>* record) {
-  Tile tile;
-  tile.rays.record = record;
-  const PixelBox& px = box.pixels;
-  const size_t lights = images.size();
-  std::vector<Vec3f> sums(static_cast<size_t>(px.x1 - px.x0) * (px.y1 - px.y0) * lights);
-  const auto range_of = [&](int x, int y) {
-    const size_t pixel = static_cast<size_t>(y) * picture.settings.size_px + x;
-    const uint32_t first = paths.first ? (*paths.first)[pixel] : 0;
-    return std::pair<uint32_t, uint32_t>(first, first + paths.count[pixel]);
-  };
-  const auto each_pixel = [&](const auto& act) {
-    size_t i = 0;
-    for (int y = px.y0; y < px.y1; ++y)
-      for (int x = px.x0; x < px.x1; ++x, i += lights) act(x, y, &sums[i]);
-  };
-  Guesses guesses(paths.by_class);
-  const bool is_guessing = picture.settings.guess_shadows;
-  std::vector<PathSampler> samplers;
-  samplers.reserve(kPathsAtOnce);
-  uint32_t next = ~0u, end = 0;
-  each_pixel([&](int x, int y, Vec3f*) {
-    const auto [first, last] = range_of(x, y);
-    if (first < last) next = std::min(next, first), end = std::max(end, last);
-  });
-  while (next < end) {
-    const PoolBlock block = PoolBlock::of(next, picture.context.lights.environments.size());
-    tile.pools.resize(picture.context.lights.environments.size());
-    const auto fill_pools = [&](int of) {
-      const uint64_t key = mix_bits(paths.seed ^ (kPoolSeeds + (static_cast<uint64_t>(of) << 32)));
-      for (size_t l = 0; l < tile.pools.size(); ++l)
-        tile.pools[l].fill(picture.context.lights.environments[l], picture.context.turn_rad,
-                           std::max(3, (block.log2 + 1) / 2), std::min(block.log2 / 2, block.log2 - 3),
-                           mix_bits(key + box.number) + block.first, picture.cache != nullptr || is_guessing);
-    };
-    const auto begin_paths = [&](int x, int y, Vec3f* sum) {
-      const auto [first, last] = range_of(x, y);
-      const uint64_t pixel = static_cast<uint64_t>(y) * picture.settings.size_px + x;
-      const double work_before = tile.rays.work();
-      const uint32_t stop = std::min(last, block.end);
-      tile.guess = is_guessing ? &guesses.at(x, y) : nullptr;
-      for (uint32_t s = std::max(first, block.first); s < stop;) {
-        samplers.clear();
-        for (size_t i = 0; i < kPathsAtOnce && s < stop; ++i, ++s) {
-          PathSampler& sampler = samplers.emplace_back(paths.seed, pixel, s);
-          PathState& path = tile.next.emplace_back(sampler);
-          const Vec2f jitter = sampler.next_pair();
-          const bool centre = s == 0 && picture.settings.first_sample_at_centre;
-          path.ray = picture.view.ray(static_cast<float>(x) + (centre ? 0.5f : jitter.x),
-                                      static_cast<float>(y) + (centre ? 0.5f : jitter.y));
-        }
-        trace_paths<kCutouts, Bsdf>(picture.context, tile, sum);
-      }
-      if (work) (*work)[pixel] += static_cast<float>(tile.rays.work() - work_before);
-    };
-    const int classes = paths.by_class ? kPixelClasses : 1;
-    for (int of = 0; of < classes; ++of) {
-      fill_pools(of);
-      each_pixel([&](int x, int y, Vec3f* sum) {
-        if (!paths.by_class || pixel_class(x, y) == of) begin_paths(x, y, sum);
-      });
-    }
-    next = block.end;
-  }
-  const PixelBox& box_px = picture.box;
-  each_pixel([&](int x, int y, const Vec3f* sum) {
-    if (x < box_px.x0 || x >= box_px.x1 || y < box_px.y0 || y >= box_px.y1) return;
-    const auto [first, last] = range_of(x, y);
-    tile.paths += last - first;
-    if (work)
-      (*work)[static_cast<size_t>(y) * picture.settings.size_px + x] +=
-          kWorkOfPath * static_cast<float>(last - first);
-    for (size_t l = 0; l < lights && first < last; ++l) {
-      float* out = images[l].radiance.pixel(x, y);
-      const Vec3f mean_radiance = sum[l] / static_cast<float>(last - first);
-      out[0] = mean_radiance.x, out[1] = mean_radiance.y, out[2] = mean_radiance.z;
-    }
-  });
-  return tile;
+  TileRenderer<kCutouts, Bsdf> renderer(picture, paths, box, work);
+  renderer.tile.rays.record = record;
+  renderer.render();
+  renderer.write(images);
+  return std::move(renderer.tile);
 }
 
 Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& box,

@@ -89,13 +89,13 @@ Bsdf bsdf_at(const SurfacePoint& point, Vec3f wo, bool first_hit, UnderSurface u
   const Vec3f n = cycles::ensure_valid_reflection(point.ng, wo, point.n);
   const SurfaceTexel& texel = point.texel;
   const float f0 = srgb_to_linear(texel.specular);
+  const Reflectance surface{texel.albedo, texel.roughness, f0};
   if constexpr (std::is_same_v<Bsdf, PrincipledV1>) {
-    return Bsdf(texel.albedo, texel.roughness, f0, n, point.ns, point.ng, wo, first_hit,
+    return Bsdf(surface, {n, point.ns, point.ng, wo}, first_hit,
                 under == UnderSurface::kWalk ? DiffuseLobe::kRetroReflection : DiffuseLobe::kWhole);
   } else {
-    return Bsdf(texel.albedo, texel.roughness, f0,
-                {under == UnderSurface::kNone ? 0.0f : 1.0f, under == UnderSurface::kWalk}, point.n, n,
-                point.ns, point.ng, wo, first_hit);
+    return Bsdf(surface, {under == UnderSurface::kNone ? 0.0f : 1.0f, under == UnderSurface::kWalk},
+                {point.n, point.ns, point.ng, wo}, n, first_hit);
   }
 }
 
@@ -106,10 +106,11 @@ template <class Bsdf>
 Bsdf exit_bsdf_at(const SurfacePoint& point, Vec3f wo) {
   const bool has_map = point.has_normal_map && point.texel.sss > cycles::kLeastSubsurface;
   const Vec3f n = has_map ? cycles::ensure_valid_reflection(point.ng, wo, point.n) : point.ns;
+  constexpr Reflectance kWhite{{1, 1, 1}, 1, 0};
   if constexpr (std::is_same_v<Bsdf, PrincipledV1>)
-    return Bsdf({1, 1, 1}, 1, 0, n, point.ns, point.ng, wo, false, DiffuseLobe::kExit);
+    return Bsdf(kWhite, {n, point.ns, point.ng, wo}, false, DiffuseLobe::kExit);
   else
-    return Bsdf({1, 1, 1}, 1, 0, {}, n, n, point.ns, point.ng, wo, false);
+    return Bsdf(kWhite, {}, {n, point.ns, point.ng, wo}, n, false);
 }
 
 /// The pinhole camera in the subject's frame: the subject turns by an angle, so the camera turns back.

@@ -40,23 +40,23 @@ void trace_wave(const PathContext& c, Tile& tile) {
 }
 
 /// Paths that are known to meet nothing: what they read comes into the cache before it is asked for.
-inline void leave_scene(const PathContext& c, Tile& tile, Vec3f* radiance) {
+inline void leave_scene(const PathContext& c, Tile& tile) {
   tile.arrivals.resize(tile.leaving.size());
   for (size_t i = 0; i < tile.leaving.size(); ++i) {
     tile.arrivals[i].place = map_place(c.to_world(tile.leaving[i].ray.direction));
     for (const EnvironmentLight& light : c.lights.environments) light.prefetch(tile.arrivals[i].place);
   }
   for (size_t i = 0; i < tile.leaving.size(); ++i)
-    add_environments(c, tile.leaving[i], tile.arrivals[i].place, tile, radiance);
+    add_environments(c, tile.leaving[i], tile.arrivals[i].place, tile);
   tile.leaving.clear();
 }
 
 /// A path at the end of its ray.
 template <class Bsdf>
-void arrive(const PathContext& c, const Arrival& arrival, PathState& state, Tile& tile, Vec3f* radiance) {
+void arrive(const PathContext& c, const Arrival& arrival, PathState& state, Tile& tile) {
   if (!arrival.is_hit) {
     // The camera sees no background: it is transparent.
-    if (state.bounce > 0) add_environments(c, state, arrival.place, tile, radiance);
+    if (state.bounce > 0) add_environments(c, state, arrival.place, tile);
     return;
   }
   if (state.bounce > c.max_bounces) return;
@@ -85,36 +85,38 @@ void leave_walks(const PathContext& c, Tile& tile) {
     const Bsdf bsdf = exit_bsdf_at<Bsdf>(point, exit.direction);
     const bool ends = ends_at(c, path.state, bsdf);
     const Split split = ends ? Split().without_reflections() : Split();
-    const LightCache::Known* known = known_at(c, point, tile);
-    sample_lights(c, point, bsdf, path.state.throughput, path.numbers.light.of(path.k, path.n), split, known,
-                  path.state.bounce == 0 ? tile.guess : nullptr, tile);
+    const LightQuery<Bsdf> query{point,
+                                 bsdf,
+                                 path.state.throughput,
+                                 split,
+                                 known_at(c, point, tile),
+                                 path.state.bounce == 0 ? tile.guess : nullptr};
+    sample_lights(c, query, path.numbers.light.of(path.k, path.n), tile);
     const Vec2f u = lattice_point(path.numbers.direction, path.k, path.n);
-    if (ends) add_from_surfaces(c, point, bsdf, path.state.throughput, 0, u, known, tile);
+    if (ends) add_from_surfaces(c, query, 0, u, tile);
     if (!ends && bounce_off(c, point, bsdf.sample(0, u.x, u.y), split.worth, path.state))
-      send_on(known, path.state, tile);
+      send_on(query.known, path.state, tile);
   }
   tile.walks.clear(), tile.walking.clear(), tile.media.clear();
 }
 
 /// The paths of one pixel's camera rays in tile.next to their ends, surface by surface all together, added to
-/// `radiance`, one a light.
+/// tile.radiance.
 template <bool kCutouts, class Bsdf>
-void trace_paths(const PathContext& c, Tile& tile, Vec3f* radiance) {
-  tile.radiance = radiance;
+void trace_paths(const PathContext& c, Tile& tile) {
   while (!tile.next.empty()) {
     tile.wave.swap(tile.next);
     tile.next.clear();
     trace_wave<kCutouts>(c, tile);
-    for (size_t i = 0; i < tile.wave.size(); ++i)
-      arrive<Bsdf>(c, tile.arrivals[i], tile.wave[i], tile, radiance);
+    for (size_t i = 0; i < tile.wave.size(); ++i) arrive<Bsdf>(c, tile.arrivals[i], tile.wave[i], tile);
     if (!tile.walks.empty()) leave_walks<kCutouts, Bsdf>(c, tile);
-    leave_scene(c, tile, radiance);
+    leave_scene(c, tile);
   }
-  ask_shadows<kCutouts>(c, tile, radiance);
+  ask_shadows<kCutouts>(c, tile);
 }
 
 // Compiled apart, in path_tracer_v2.cpp: in one unit the compiler inlines less of each model.
-extern template void trace_paths<false, PrincipledV2>(const PathContext&, Tile&, Vec3f*);
-extern template void trace_paths<true, PrincipledV2>(const PathContext&, Tile&, Vec3f*);
+extern template void trace_paths<false, PrincipledV2>(const PathContext&, Tile&);
+extern template void trace_paths<true, PrincipledV2>(const PathContext&, Tile&);
 
 }  // namespace ohb::renderer

@@ -1,6 +1,6 @@
 """Kills commands at random moments and gives the same command again: equal bytes, and nothing left behind.
 
-usage: random_kills.py OPENHUMANBRDF HUMANMATERIAL [--kills N] [--seed S] [--no-blender]
+usage: random_kills.py OPENHUMANBRDF HUMANMATERIAL [--kills N] [--seed S] [--no-blender] [--only COMMAND]
 
 Each command runs to its end twice first. Files that differ between the two (times are in them) are compared by name,
 all others by their bytes. Then each kill (SIGKILL, at a moment between the start and a little after the usual end) is
@@ -25,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 from cli_test import write_hdr, write_scan  # noqa: E402
 
 SOURCE = Path(__file__).parents[2]
-DONE, DIFFERENCE = 0, 1
+DONE, DIFFERENCE, UNDECIDED = 0, 1, 3    # the last two are verdicts of validate
 
 
 class Command:
@@ -76,7 +76,7 @@ def digest(out):
 
 def run(arguments, environment):
     result = subprocess.run([str(a) for a in arguments], capture_output=True, text=True, env=environment, timeout=600)
-    if result.returncode not in (DONE, DIFFERENCE):
+    if result.returncode not in (DONE, DIFFERENCE, UNDECIDED):
         sys.exit("%s: exit code %d: %s" % (" ".join(map(str, arguments)), result.returncode, result.stderr[-500:]))
 
 
@@ -153,6 +153,7 @@ def main():
     parser.add_argument("--kills", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--no-blender", action="store_true")
+    parser.add_argument("--only", help="the command of this name")
     options = parser.parse_args()
     random_source = random.Random(options.seed)
     folder = Path(tempfile.mkdtemp(prefix="ohb-kills-"))
@@ -167,6 +168,8 @@ def main():
             commands = [c for c in commands if not c.needs_blender]
         else:
             run(estimate, environment)
+        if options.only:
+            commands = [c for c in commands if c.name == options.only]
         chosen = random_source.choices(commands, weights=[c.weight for c in commands], k=options.kills)
         if options.kills >= len(commands):
             chosen[:len(commands)] = commands   # each at least once

@@ -18,7 +18,7 @@ Vec3f direction(double angle_deg) {
 }
 
 PrincipledV1 flat(Vec3f base, float roughness, float blender_specular, Vec3f wo) {
-  return {base, roughness, cycles::kF0PerSpecular * blender_specular, kUp, kUp, kUp, wo, true};
+  return {{base, roughness, cycles::kF0PerSpecular * blender_specular}, {kUp, kUp, kUp, wo}, true};
 }
 
 // Integral of f cos over the hemisphere about the mirror direction's pole, where the peak is.
@@ -99,7 +99,7 @@ TEST(PrincipledV1, SamplerFollowsItsPdf) {
                                   : normalised(Vec3f{0, static_cast<float>(std::sin(tilt * M_PI / 180)),
                                                      static_cast<float>(std::cos(tilt * M_PI / 180))});
         if (!(dot(n, wo) > 1e-4f)) continue;
-        const PrincipledV1 bsdf({.8f, .4f, .1f}, roughness, .04f, n, kUp, kUp, wo, true);
+        const PrincipledV1 bsdf({{.8f, .4f, .1f}, roughness, .04f}, {n, kUp, kUp, wo}, true);
         // The part that Cycles discards (below the surface, ng . wi <= 0) is a bin of its own, left out on
         // both sides; so is what it keeps below n and only when it was sampled (n . wi <= 0).
         const double p = chi_squared_p_value(
@@ -134,7 +134,7 @@ TEST(PrincipledV1, IsReciprocal) {
 
 TEST(PrincipledV1, EightDirectionsAtOnceEqualOneByOne) {
   expect_eight_equal_one_by_one(11, [](const HardPoint& p, Random& random, int trial) {
-    return PrincipledV1({random.next(), random.next(), 0}, p.roughness, p.f0, p.n, p.ns, p.ng, p.wo,
+    return PrincipledV1({{random.next(), random.next(), 0}, p.roughness, p.f0}, {p.n, p.ns, p.ng, p.wo},
                         trial % 2 == 0, static_cast<DiffuseLobe>(trial % 4 % 3));
   });
 }
@@ -192,12 +192,15 @@ TEST(EnsureValidReflection, MeasuredTilt) {
 
 TEST(BumpTerminator, IsOneAtFullLightAndZeroBelow) {
   const Vec3f n = direction(40);
-  EXPECT_EQ(cycles::bump_terminator(kUp, n, direction(91)), 0);
-  EXPECT_EQ(cycles::bump_terminator(kUp, n, kUp), 1);
-  // Cubic between: g = .5 gives -g^3 + g^2 + g = .625.
+  EXPECT_EQ(cycles::bump_terminator<float>(kUp, n, direction(91)), 0);
+  EXPECT_EQ(cycles::bump_terminator<float>(kUp, n, kUp), 1);
+  // Cubic between: g = .5 gives -g^3 + g^2 + g = .625. cos(a) = .5 cos(40) cos(a - 40) solved for a.
+  const double tilt = 40 * M_PI / 180;
+  const double half = std::atan((2 / std::cos(tilt) - std::cos(tilt)) / std::sin(tilt)) * 180 / M_PI;
+  EXPECT_NEAR(cycles::bump_terminator<float>(kUp, n, direction(half)), .625f, 1e-5f);
   float previous = 2;
   for (double angle = 40; angle < 90; angle += 1) {
-    const float g = cycles::bump_terminator(kUp, n, direction(angle));
+    const float g = cycles::bump_terminator<float>(kUp, n, direction(angle));
     EXPECT_LE(g, previous + 1e-6f);
     previous = g;
   }

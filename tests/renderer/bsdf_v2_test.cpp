@@ -18,7 +18,7 @@ Vec3f direction(double angle_deg) {
 }
 
 PrincipledV2 flat(Vec3f base, float roughness, float f0, Vec3f wo) {
-  return {base, roughness, f0, {}, kUp, kUp, kUp, kUp, wo, true};
+  return {{base, roughness, f0}, {}, {kUp, kUp, kUp, wo}, kUp, true};
 }
 
 /// Integral of f cos by midpoints about the mirror direction, where the peak is.
@@ -131,7 +131,7 @@ TEST(PrincipledV2, LambertBelowNothing) {
 TEST(PrincipledV2, SubsurfaceTakesItsShareOfWhatIsBelow) {
   const Vec3f wo = direction(50), wi = direction(-20);
   const auto with = [&](float weight, bool walks) {
-    return PrincipledV2({.5f, .5f, .5f}, .4f, .04f, {weight, walks}, kUp, kUp, kUp, kUp, wo, false);
+    return PrincipledV2({{.5f, .5f, .5f}, .4f, .04f}, {weight, walks}, {kUp, kUp, kUp, wo}, kUp, false);
   };
   const float whole = with(0, false).eval(wi).value.x, none = with(1, true).eval(wi).value.x;
   const float below = with(1, true).entry_weight();
@@ -178,8 +178,8 @@ TEST(PrincipledV2, SamplerFollowsItsPdf) {
         const float a = static_cast<float>(tilt * M_PI / 180);
         const Vec3f wo = direction(angle), n{0, std::sin(a), std::cos(a)},
                     valid = cycles::ensure_valid_reflection(kUp, wo, n);
-        const PrincipledV2 bsdf({.8f, .4f, .1f}, roughness, .04f, {.5f, angle > 60}, n, valid, kUp, kUp, wo,
-                                true);
+        const PrincipledV2 bsdf({{.8f, .4f, .1f}, roughness, .04f}, {.5f, angle > 60}, {n, kUp, kUp, wo},
+                                valid, true);
         // As in v1's test: what is kept below n only when it was sampled is left out on both sides.
         double integral = 0;
         int lost = 0;
@@ -229,9 +229,9 @@ TEST(PrincipledV2, SingleScatteringIsReciprocal) {
 
 TEST(PrincipledV2, EightDirectionsAtOnceEqualOneByOne) {
   expect_eight_equal_one_by_one(12, [](const HardPoint& p, Random& random, int trial) {
-    return PrincipledV2({random.next(), random.next(), 0}, p.roughness, p.f0,
-                        {trial % 4 ? 0.0f : random.next(), trial % 8 == 0}, p.n,
-                        cycles::ensure_valid_reflection(p.ng, p.wo, p.n), p.ns, p.ng, p.wo, trial % 2 == 0);
+    return PrincipledV2({{random.next(), random.next(), 0}, p.roughness, p.f0},
+                        {trial % 4 ? 0.0f : random.next(), trial % 8 == 0}, {p.n, p.ns, p.ng, p.wo},
+                        cycles::ensure_valid_reflection(p.ng, p.wo, p.n), trial % 2 == 0);
   });
 }
 
@@ -258,7 +258,7 @@ TEST(PrincipledV2, RoughnessToZeroBecomesAMirrorWithoutNan) {
 // Half of the entries spread by the cosine, half are refracted: into the medium, and towards -n on average.
 TEST(PrincipledV2, EntryDirectionsGoIn) {
   const Vec3f wo = direction(70);
-  const PrincipledV2 bsdf({.5f, .5f, .5f}, .4f, .04f, {1, true}, kUp, kUp, kUp, kUp, wo, true);
+  const PrincipledV2 bsdf({{.5f, .5f, .5f}, .4f, .04f}, {1, true}, {kUp, kUp, kUp, wo}, kUp, true);
   Random random(2, 3, 4);
   Vec3f sum{};
   constexpr int kCount = 20000;
@@ -284,13 +284,13 @@ TEST(PrincipledV2, EntryDirectionsGoIn) {
 
 TEST(BumpTerminatorV2, FallsFromOneToZero) {
   const Vec3f n = direction(40);
-  EXPECT_EQ(cycles::bump_terminator_v2(kUp, n, direction(91)), 0);
-  EXPECT_EQ(cycles::bump_terminator_v2(kUp, n, kUp), 1);
+  EXPECT_EQ(cycles::bump_terminator_v2<float>(kUp, n, direction(91)), 0);
+  EXPECT_EQ(cycles::bump_terminator_v2<float>(kUp, n, kUp), 1);
   // G1 of GGX at 60 degrees, alpha^2 = tan(40)^2 / 8 = .08801: 2 / (1 + sqrt(1 + .08801 x 3)).
-  EXPECT_NEAR(cycles::bump_terminator_v2(kUp, n, direction(60)), 2 / (1 + std::sqrt(1 + 3 * .0880110)), 1e-5);
+  EXPECT_NEAR(cycles::bump_terminator_v2<float>(kUp, n, direction(60)), 2 / (1 + std::sqrt(1 + 3 * .0880110)), 1e-5);
   float previous = 2;
   for (double angle = 1; angle < 90; angle += 1) {
-    const float g = cycles::bump_terminator_v2(kUp, n, direction(angle));
+    const float g = cycles::bump_terminator_v2<float>(kUp, n, direction(angle));
     EXPECT_LE(g, previous);
     previous = g;
   }

@@ -65,7 +65,7 @@ double exact_sum(const CyclesScene& scene, const std::vector<uint8_t>& pixels) {
     for (int x = 0; x < kSize; ++x) {
       if (!pixels[static_cast<size_t>(y) * kSize + x]) continue;
       const Vec3f wo = -camera.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f).direction;
-      const PrincipledV1 bsdf(albedo, 0.5f, 0, n, n, n, wo, true);
+      const PrincipledV1 bsdf({albedo, 0.5f, 0}, {n, n, n, wo}, true);
       for (const LightSample& point : points) {
         const Vec3f value = bsdf.eval(point.wi).value * point.radiance;
         sum += static_cast<double>(value.x) + value.y + value.z;
