@@ -23,6 +23,7 @@ void add_render_command(CLI::App& app, Commands& commands);
 void add_validate_command(CLI::App& app, Commands& commands);
 void add_chart_command(CLI::App& app, Commands& commands);
 void add_people_command(CLI::App& app, Commands& commands);
+void add_produce_command(CLI::App& app, Commands& commands);
 
 void Commands::add_to(CLI::App& app) {
   add_inspect_command(app, *this);
@@ -32,6 +33,7 @@ void Commands::add_to(CLI::App& app) {
   add_validate_command(app, *this);
   add_chart_command(app, *this);
   add_people_command(app, *this);
+  add_produce_command(app, *this);
 }
 
 }  // namespace ohb

@@ -5,10 +5,11 @@
 namespace ohb {
 namespace {
 
-void expect_encoding(const XmlDocument& xml, const char* attribute, const std::string& known) {
-  const std::string encoding = xml.text(xml.root(), attribute);
+void expect_encoding(const XmlDocument& xml, pugi::xml_node node, const char* attribute,
+                     const std::string& known) {
+  const std::string encoding = xml.text(node, attribute);
   if (encoding != known)
-    throw xml.error(xml.root(), std::string(attribute) + "=\"" + encoding + "\" is not known",
+    throw xml.error(node, std::string(attribute) + "=\"" + encoding + "\" is not known",
                     "convert the values to \"" + known + "\"");
 }
 
@@ -16,14 +17,18 @@ void expect_encoding(const XmlDocument& xml, const char* attribute, const std::s
 
 MaterialTable read_material_table(const std::filesystem::path& file) {
   const XmlDocument xml(file, "materials");
-  xml.expect_attributes(xml.root(), {"schema", "specular_encoding", "roughness_encoding", "sss_encoding"});
-  xml.expect_children(xml.root(), {"material"});
-  expect_encoding(xml, "specular_encoding", "srgb-f0");
-  expect_encoding(xml, "roughness_encoding", "perceptual");
-  expect_encoding(xml, "sss_encoding", "weight-1.0-0.2-0.1-cm");
+  return read_material_table(xml, xml.root());
+}
+
+MaterialTable read_material_table(const XmlDocument& xml, pugi::xml_node parent) {
+  xml.expect_attributes(parent, {"schema", "specular_encoding", "roughness_encoding", "sss_encoding"});
+  xml.expect_children(parent, {"material"});
+  expect_encoding(xml, parent, "specular_encoding", "srgb-f0");
+  expect_encoding(xml, parent, "roughness_encoding", "perceptual");
+  expect_encoding(xml, parent, "sss_encoding", "weight-1.0-0.2-0.1-cm");
   MaterialTable table{};
   std::array<bool, kClassCount> is_given{};
-  for (const pugi::xml_node& node : xml.root().children("material")) {
+  for (const pugi::xml_node& node : parent.children("material")) {
     xml.expect_attributes(node, {"class", "specular", "roughness", "sss"});
     const std::string name = xml.text(node, "class");
     const MaterialClass index = class_from_name(name);
@@ -37,9 +42,8 @@ MaterialTable read_material_table(const std::filesystem::path& file) {
   }
   for (int c = 0; c < kClassCount; ++c)
     if (!is_given[c])
-      throw InputError(file.string(), "",
-                       "there is no material for class '" + std::string(kClassNames[c]) + "'",
-                       "add <material class=\"" + std::string(kClassNames[c]) + "\" .../>");
+      throw xml.error(parent, "there is no material for class '" + std::string(kClassNames[c]) + "'",
+                      "add <material class=\"" + std::string(kClassNames[c]) + "\" .../>");
   return table;
 }
 

@@ -6,7 +6,13 @@
 
 #include "dataset/model/regions.h"
 
+namespace pugi {
+class xml_node;
+}
+
 namespace ohb {
+
+class XmlDocument;
 
 /// What a class is made of, in the encodings of the maps (docs/conventions.md).
 struct ClassMaterial {
@@ -20,5 +26,7 @@ using MaterialTable = std::array<ClassMaterial, kClassCount>;
 /// Reads materials.xml. Throws InputError: missing class, value that is no number or outside [0,1],
 /// an encoding other than the ones this version knows.
 MaterialTable read_material_table(const std::filesystem::path& file);
+/// The same from an element of another file, of the form of materials.xml's root.
+MaterialTable read_material_table(const XmlDocument& xml, pugi::xml_node parent);
 
 }  // namespace ohb

@@ -13,8 +13,8 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::array<const char*, 3> kOfOneView = {"ohb:view", "ohb:turn_deg", "ohb:identity"};
-// What rendering found out: ohb:reached..., ohb:needs...
-constexpr std::array<const char*, 2> kFound = {"ohb:reached.", "ohb:needs."};
+// What rendering found out: ohb:reached..., ohb:needs...; and what `produce` draws for each view: ohb:set...
+constexpr std::array<const char*, 3> kFound = {"ohb:reached.", "ohb:needs.", "ohb:set."};
 
 SampleListing listing_of(const nlohmann::ordered_json& json) {
   SampleListing listing;

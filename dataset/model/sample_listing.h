@@ -15,7 +15,7 @@ namespace ohb {
 bool is_view_file(const std::filesystem::path& file);
 
 /// Of a view's attributes those that all views of one job share: everything that decides about its pixels but
-/// which view it is, and nothing that rendering found out.
+/// which view it is, and nothing that rendering found out or that was drawn for this view alone (ohb:set...).
 ExrAttributes shared_attributes(const ExrAttributes& attributes);
 
 /// SHA-256 of shared attributes in any order; ohb:identity of each view that has them.

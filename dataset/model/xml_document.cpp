@@ -19,10 +19,16 @@ XmlDocument::XmlDocument(const std::filesystem::path& file, const std::string& r
     : file_(file), content_(read_file(file)) {
   if (content_.empty()) throw InputError(file.string(), "", "the file is empty", "make it again");
   refuse_foreign_content(file, std::string_view(content_).substr(0, 512));
-  const pugi::xml_parse_result result = document_.load_buffer(content_.data(), content_.size());
+  const pugi::xml_parse_result result =
+      document_.load_buffer(content_.data(), content_.size(), pugi::parse_default | pugi::parse_doctype);
   if (!result)
     throw InputError(file.string(), line_of(result.offset),
                      "not well-formed XML: " + std::string(result.description()), "correct the XML");
+  // Entities that grow (billion laughs) are declared there; pugixml leaves them as they are.
+  for (const pugi::xml_node& node : document_.children())
+    if (node.type() == pugi::node_doctype)
+      throw error(node, "has a document type (<!DOCTYPE ...>), which our files have not",
+                  "remove it, and write what its entities stand for");
   expect_shallow();
   root_ = document_.document_element();
   if (root_.name() != root_name)
@@ -117,6 +123,9 @@ void XmlDocument::expect_attributes(pugi::xml_node node, std::initializer_list<c
 }
 
 void XmlDocument::expect_children(pugi::xml_node node, std::initializer_list<const char*> names) const {
+  for (const pugi::xml_node& child : node.children())
+    if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata)
+      throw error(child, "text inside <" + std::string(node.name()) + ">, where none belongs", "remove it");
   for (const pugi::xml_node& child : node.children())
     if (child.type() == pugi::node_element &&
         std::find(names.begin(), names.end(), std::string(child.name())) == names.end())

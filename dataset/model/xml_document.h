@@ -18,7 +18,7 @@ namespace ohb {
 class XmlDocument {
  public:
   /// Parses `file`, whose root element must be `root_name`. Throws InputError: no such file, not
-  /// well-formed, nested too deeply, another root.
+  /// well-formed, a document type, nested too deeply, another root.
   XmlDocument(const std::filesystem::path& file, const std::string& root_name);
 
   pugi::xml_node root() const { return root_; }
@@ -36,7 +36,7 @@ class XmlDocument {
   uint64_t count(pugi::xml_node node, const char* attribute, uint64_t high) const;
   /// Throws InputError for an attribute that occurs twice or is not in `names`.
   void expect_attributes(pugi::xml_node node, std::initializer_list<const char*> names) const;
-  /// Throws InputError for a child element that is not in `names`.
+  /// Throws InputError for a child element that is not in `names`, and for text between the elements.
   void expect_children(pugi::xml_node node, std::initializer_list<const char*> names) const;
 
   /// To throw: "file: line 12: cause; mend".

@@ -1,0 +1,226 @@
+#include "dataset/production/plan.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "dataset/model/error.h"
+#include "dataset/production/shard.h"
+#include "tests/production/plan_folder.h"
+
+namespace ohb::production {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Plan, ReadsPeopleLightsAndViews) {
+  const PlanFolder folder;
+  const Plan plan = read_plan(
+      folder.plan(std::string(R"(<people folder="people" split="hash" train="0.5" licence="CC0-1.0"/>)") +
+                  kPerson + kEnvironments + kViews +
+                  R"(<views split="test" count="1" repeat="4" error="0.1"><point x_cm="1" y_cm="2"
+        z_cm="3" intensity="4"/></views>)"));
+  ASSERT_EQ(plan.people.size(), 4u);
+  EXPECT_EQ(plan.people[0].id, "a");
+  EXPECT_EQ(plan.people[1].attributes.at("licence"), "CC0-1.0");
+  EXPECT_EQ(plan.views_of(plan.people[0]).set_count(), 3);
+  const ViewSet& test = plan.views[1];
+  EXPECT_EQ(test.set_count(), 4);
+  ASSERT_TRUE(test.goal);
+  EXPECT_EQ(test.points[0].position_cm.z, 3);
+  for (const PlannedSet& set : sets_of(plan, plan.people[0])) {
+    ASSERT_EQ(set.environments.size(), 2u);
+    EXPECT_NE(set.environments[0]->name, set.environments[1]->name);
+  }
+}
+
+TEST(Plan, AnEnvironmentMoreChangesOnlyTheSetsThatDrawIt) {
+  const PlanFolder folder;
+  const std::string inside = std::string(kPerson) + kEnvironments +
+                             R"(<views split="train" count="300"><lights from="e" count="2"/></views>)";
+  const auto drawn = [&] {
+    const Plan plan = read_plan(folder.plan(inside));
+    std::vector<std::string> names;
+    for (const PlannedSet& set : sets_of(plan, plan.people[0]))
+      names.push_back(std::to_string(set.seed) + set.environments[0]->name + set.environments[1]->name);
+    return names;
+  };
+  const std::vector<std::string> before = drawn();
+  folder.write("env/storm.exr", "x");
+  const std::vector<std::string> after = drawn();
+  size_t changed = 0;
+  for (size_t i = 0; i < before.size(); ++i) {
+    changed += before[i] != after[i];
+    EXPECT_EQ(before[i] != after[i], after[i].find("storm") != std::string::npos) << i;
+  }
+  // Two of five: expected in 120 of 300, standard deviation 8.5.
+  EXPECT_NEAR(static_cast<double>(changed), 120, 40);
+}
+
+TEST(Plan, DrawsAreEven) {
+  const PlanFolder folder;
+  const Plan plan = read_plan(folder.plan(std::string(kPerson) + kEnvironments +
+                                          R"(<views split="train" count="4000"><lights from="e"/></views>)"));
+  std::map<std::string, int> count;
+  for (const PlannedSet& set : sets_of(plan, plan.people[0])) ++count[set.environments[0]->name];
+  for (const auto& [name, times] : count) EXPECT_NEAR(times, 1000, 150) << name;  // 5.5 standard deviations
+}
+
+TEST(Plan, AnExactNumberTrains) {
+  const PlanFolder folder;
+  const Plan plan =
+      read_plan(folder.plan(std::string(R"(<people folder="people" split="hash" train_count="2"/>)") +
+                            kEnvironments + kViews + R"(<views split="test"><lights from="e"/></views>)"));
+  int train = 0;
+  for (const PlanPerson& person : plan.people) train += person.split == "train";
+  EXPECT_EQ(train, 2);
+}
+
+TEST(Plan, EveryPersonIsInOneShard) {
+  const PlanFolder folder;
+  const Plan plan = read_plan(folder.plan(std::string(R"(<people folder="people" split="train"/>)") +
+                                          kPerson + kEnvironments + kViews));
+  std::set<std::string> seen;
+  for (int i = 1; i <= 3; ++i)
+    for (const PlanPerson* person : people_of_shard(plan, {i, 3}))
+      EXPECT_TRUE(seen.insert(person->id).second);
+  EXPECT_EQ(seen.size(), 4u);
+  EXPECT_THROW(parse_shard("0/3"), InputError);
+  EXPECT_THROW(parse_shard("4/3"), InputError);
+  EXPECT_THROW(parse_shard("1/3x"), InputError);
+  EXPECT_THROW(parse_shard("1"), InputError);
+}
+
+TEST(Plan, TheBundledOneIsRead) {
+  const Plan plan = read_plan(fs::path(OHB_SOURCE_DIR) / "assets/plans/small.xml");
+  EXPECT_EQ(plan.people.size(), 1u);
+  EXPECT_EQ(plan.set_count(), 4u);
+}
+
+struct Refusal {
+  const char* name;
+  std::string text;   // of the whole file
+  const char* words;  // that the one line holds
+};
+
+std::string whole(const std::string& inside) {
+  return "<plan schema=\"1\" name=\"t\">\n" + inside + "\n</plan>\n";
+}
+
+std::vector<Refusal> refusals() {
+  const std::string p = kPerson, e = kEnvironments, v = kViews, rest = e + v;
+  const auto person = [&](const std::string& attributes) {
+    return whole("<person " + attributes + "/>" + rest);
+  };
+  const auto views = [&](const std::string& attributes, const std::string& inside) {
+    return whole(p + e + "<views split=\"train\" " + attributes + ">" + inside + "</views>");
+  };
+  const std::string lights = R"(<lights from="e" count="2"/>)";
+  return {
+      {"Empty", "", "empty"},
+      {"NoXml", "hello", "XML"},
+      {"CutOff", "<plan schema=\"1\"", "XML"},
+      {"OtherRoot", "<scene/>", "root element"},
+      {"BillionLaughs", "<!DOCTYPE plan [<!ENTITY a \"ha\"><!ENTITY b \"&a;&a;&a;\">]>" + whole(p + rest),
+       "document type"},
+      {"Deep",
+       [] {
+         std::string text;
+         for (int i = 0; i < 5000; ++i) text += "<plan>";
+         return text;
+       }(),
+       "line 1"},
+      {"NewerSchema", "<plan schema=\"2\" name=\"t\"/>", "schema=\"2\""},
+      {"NoSchema", "<plan name=\"t\"/>", "schema"},
+      {"UnknownAttribute",
+       whole("<person id=\"a\" scan=\"a.obj\" labels=\"a.txt\" split=\"train\" hat=\"1\"/>" + rest),
+       "line 2: <person> has an unknown attribute 'hat'"},
+      {"UnknownElement", whole(p + rest + "<camera/>"), "<camera> is not known"},
+      {"Text", whole(p + rest + "hello"), "text inside <plan>"},
+      {"TwiceTheAttribute", "<plan schema=\"1\" schema=\"1\" name=\"t\">" + p + rest + "</plan>",
+       "occurs twice"},
+      {"DuplicateId", whole(p + p + rest), "a second person 'a'"},
+      {"DuplicateIdOfOtherCase",
+       whole(p + R"(<person id="A" scan="a.obj" labels="a.txt" split="train"/>)" + rest),
+       "a second person 'A'"},
+      {"EscapeUp", person(R"(id="../../a" scan="a.obj" labels="a.txt" split="train")"),
+       "cannot name a folder"},
+      {"EscapeAbsolute", person(R"(id="/etc" scan="a.obj" labels="a.txt" split="train")"),
+       "cannot name a folder"},
+      {"HiddenId", person(R"(id=".ohb" scan="a.obj" labels="a.txt" split="train")"), "cannot name a folder"},
+      {"LongId", person("id=\"" + std::string(65, 'a') + R"(" scan="a.obj" labels="a.txt" split="train")"),
+       "cannot name a folder"},
+      {"MissingScan", person(R"(id="a" scan="gone.obj" labels="a.txt" split="train")"), "does not exist"},
+      {"ScanIsFolder", person(R"(id="a" scan="env" labels="a.txt" split="train")"), "is no file"},
+      {"NoLabels", person(R"(id="a" scan="a.obj" split="train")"), "neither labels nor regions"},
+      {"LabelsAndRegions", person(R"(id="a" scan="a.obj" labels="a.txt" regions="env" split="train")"),
+       "both labels and regions"},
+      {"UnknownSplit", person(R"(id="a" scan="a.obj" labels="a.txt" split="training")"),
+       "split=\"training\""},
+      {"UnknownUnit", person(R"(id="a" scan="a.obj" labels="a.txt" split="train" unit="ell")"),
+       "unit=\"ell\""},
+      {"OldAge", person(R"(id="a" scan="a.obj" labels="a.txt" split="train" age="900")"), "age=\"900\""},
+      {"Nobody", whole(rest), "no people"},
+      {"EmptyFolder", whole(R"(<people folder="empty" split="train"/>)" + rest), "holds nobody"},
+      {"ShareAboveOne", whole(R"(<people folder="people" split="hash" train="1.5"/>)" + rest),
+       "train=\"1.5\""},
+      {"SharesAboveOne", whole(R"(<people folder="people" split="hash" train="0.9" val="0.2"/>)" + rest),
+       "above 1"},
+      {"ShareIsNoNumber", whole(R"(<people folder="people" split="hash" train="nan"/>)" + rest), "no number"},
+      {"PatternWithoutId", whole(R"(<people folder="people" split="train" scan="scan.obj"/>)" + rest),
+       "{id}"},
+      {"PersonWithoutLabels",
+       whole(R"(<people folder="people" split="train" labels="{id}/none.txt"/>)" + rest), "has no"},
+      {"NoEnvironments", whole(p + R"(<environments id="e" folder="empty"/>)" + v), "holds no environment"},
+      {"NoSuchFolder", whole(p + R"(<environments id="e" folder="gone"/>)" + v), "does not exist"},
+      {"OneNameTwice", whole(p + e + R"(<environments id="f" folder="more"/>)" + v), "have one name"},
+      {"TwoPoolsOfOneId", whole(p + e + e + v), "a second <environments"},
+      {"UnknownPool", views("", R"(<lights from="f"/>)"), "is the id of no"},
+      {"TooManyLights", views("", R"(<lights from="e" count="5"/>)"), "5 different environments"},
+      {"TwoDraws", views("", lights + lights), "a second draw"},
+      {"NoLight", views("", ""), "no light"},
+      {"NoViews", whole(p + e), "which has no views"},
+      {"ViewsTwice", whole(p + rest + v), "a second <views"},
+      {"ZeroViews", views("count=\"0\"", lights), "below 1"},
+      {"HugeViews", views("count=\"90000\" repeat=\"90000\"", lights), "above 100000"},
+      {"SizeIsNegative", views("size_px=\"-1\"", lights), "size_px=\"-1\""},
+      {"SizeOverflows", views("size_px=\"99999999999999999999\"", lights), "size_px"},
+      {"SppAndError", views("spp=\"4\" error=\"0.1\"", lights), "both spp and error"},
+      {"MaxSppAlone", views("max_spp=\"64\"", lights), "max_spp"},
+      {"UnknownSubsurface", views("subsurface=\"deep\"", lights), "subsurface=\"deep\""},
+      {"PointFarAway", views("", R"(<point x_cm="1e9" y_cm="0" z_cm="0" intensity="1"/>)"), "x_cm=\"1e9\""},
+      {"MaterialsLackAClass",
+       whole(p + rest +
+             "<materials specular_encoding=\"srgb-f0\" roughness_encoding=\"perceptual\" "
+             "sss_encoding=\"weight-1.0-0.2-0.1-cm\"/>"),
+       "no material for class"},
+      {"OtherEncoding",
+       whole(p + rest +
+             "<materials specular_encoding=\"linear\" roughness_encoding=\"perceptual\" "
+             "sss_encoding=\"weight-1.0-0.2-0.1-cm\"/>"),
+       "specular_encoding"},
+  };
+}
+
+class RefusedPlan : public testing::TestWithParam<Refusal> {};
+
+TEST_P(RefusedPlan, InOneLineWithFileAndMend) {
+  const PlanFolder folder;
+  const fs::path file = folder.write("plan.xml", GetParam().text);
+  try {
+    read_plan(file);
+    FAIL() << "was not refused";
+  } catch (const InputError& error) {
+    const std::string words = error.what();
+    EXPECT_NE(words.find("plan.xml"), std::string::npos) << words;
+    EXPECT_NE(words.find(GetParam().words), std::string::npos) << words;
+    EXPECT_NE(words.find(';'), std::string::npos) << "no mend: " << words;
+    EXPECT_EQ(words.find('\n'), std::string::npos) << words;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Plan, RefusedPlan, testing::ValuesIn(refusals()),
+                         [](const auto& parameter) { return std::string(parameter.param.name); });
+
+}  // namespace
+}  // namespace ohb::production
