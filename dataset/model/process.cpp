@@ -86,7 +86,7 @@ std::vector<std::string> child_environment(const std::vector<std::pair<std::stri
 /// program that prints nothing for minutes would hide.
 class LineReader {
  public:
-  explicit LineReader(int end) : end_(end) {}
+  LineReader(int end, const std::function<void()>& on_wait) : end_(end), on_wait_(on_wait) {}
   ~LineReader() { close(end_); }
   LineReader(const LineReader&) = delete;
   LineReader& operator=(const LineReader&) = delete;
@@ -105,6 +105,7 @@ class LineReader {
  private:
   void fill() {
     throw_if_interrupted();
+    if (on_wait_) on_wait_();
     pollfd waiting{end_, POLLIN, 0};
     if (poll(&waiting, 1, kWake_ms) <= 0) return;  // nothing yet, or a signal
     char bytes[4096];
@@ -116,6 +117,7 @@ class LineReader {
   }
 
   int end_;
+  const std::function<void()>& on_wait_;
   bool closed_ = false;
   std::string text_;
 };
@@ -124,7 +126,8 @@ class LineReader {
 
 ProcessResult run_process(const std::vector<std::string>& arguments,
                           const std::vector<std::pair<std::string, std::string>>& environment,
-                          const std::function<void(const std::string&)>& on_line) {
+                          const std::function<void(const std::string&)>& on_line,
+                          const std::function<void()>& on_wait) {
   std::vector<std::string> argument_copy = arguments, variables = child_environment(environment);
   const std::vector<char*> argument_list = pointers(argument_copy), variable_list = pointers(variables);
   int ends[2];
@@ -134,7 +137,7 @@ ProcessResult run_process(const std::vector<std::string>& arguments,
   const pid_t parent = getpid(), id = fork();
   if (id == 0) become(ends[1], parent, argument_list.data(), variable_list.data());
   close(ends[1]);
-  LineReader output(ends[0]);
+  LineReader output(ends[0], on_wait);
   if (id < 0)
     throw TryAgainError(arguments[0], std::string("cannot be started: ") + std::strerror(errno),
                         "run the command again");

@@ -109,7 +109,8 @@ BakedPerson bake_person(const Plan& plan, const PlanPerson& person, const Layout
                                           {"unit", person.unit},
                                           {"name", person.id}});
   const fs::path model = layout.model(person.id);
-  if (const auto marker = done_marker(layout, person.id, "bake", hash))
+  if (const auto marker = done_marker(layout, person.id, "bake", hash);
+      marker && marker->facts.count("identity"))
     return {model, marker->facts.at("identity")};
   const Stopwatch watch;
   begin_unit(layout, person.id, "bake");
