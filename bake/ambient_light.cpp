@@ -55,8 +55,17 @@ float fraction(double x) {
   return static_cast<float>(x - std::floor(x));
 }
 
-Vec3f irradiance_at(const Occluders& occluders, const Model& mesh, const std::vector<Vec3f>& glow, uint32_t p,
-                    Vec3f normal, float start_cm, int rays) {
+/// What every point asks alike.
+struct AmbientQuery {
+  const Occluders& occluders;
+  const Model& mesh;
+  const std::vector<Vec3f>& glow;  // one a point
+  float start_cm;
+  int rays;
+};
+
+Vec3f irradiance_at(const AmbientQuery& query, uint32_t p, Vec3f normal) {
+  const auto& [occluders, mesh, glow, start_cm, rays] = query;
   const float turn_x = fraction(p * 0.7548776662466927), turn_y = fraction(p * 0.5698402909980532);
   const Frame frame(normal);
   Vec3f sum{0, 0, 0};
@@ -91,10 +100,10 @@ std::vector<Vec3f> ambient_irradiance(const Model& mesh, const std::vector<uint8
   const std::vector<Vec3f> normals = smooth_normals(mesh);
   const Bounds bounds = bounds_of(mesh.positions_cm);
   const float start_cm = kStartShare * length(bounds.high - bounds.low);
+  const AmbientQuery query{occluders, mesh, glow, start_cm, rays};
   std::vector<Vec3f> irradiance(mesh.positions_cm.size());
-  tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(irradiance.size()), [&](uint32_t p) {
-    irradiance[p] = irradiance_at(occluders, mesh, glow, p, normals[p], start_cm, rays);
-  });
+  tbb::parallel_for(uint32_t{0}, static_cast<uint32_t>(irradiance.size()),
+                    [&](uint32_t p) { irradiance[p] = irradiance_at(query, p, normals[p]); });
   return irradiance;
 }
 

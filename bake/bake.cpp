@@ -203,12 +203,13 @@ CanonicalMesh bake_sets(const Scan& scan, const Regions& regions, const Material
   std::unique_ptr<SourceBake> source;
   run_side_by_side({[&] { frames = frames_of(mesh.model); },
                     [&] { source = source_of(mesh, frames, scan, options, report); }});
+  const BakeInputs inputs{mesh, scan, table, options, frames, source.get()};
   const std::vector<std::string> folders = folders_of(mesh);
   report.sets.resize(folders.size());
   Progress progress("baking " + options.name, folders.size(), options.quiet);
   for (size_t i = 0; i < folders.size(); ++i) {
     report.sets[i].folder = folders[i];
-    SetBake set(mesh, scan, static_cast<uint16_t>(i), table, options, frames, source.get(), report.sets[i]);
+    SetBake set(inputs, static_cast<uint16_t>(i), report.sets[i]);
     take(mesh.model, i, set);
     progress.add();
   }

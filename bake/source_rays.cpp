@@ -60,11 +60,18 @@ bool sees(const SourceSurface& source, Vec3f from, Vec3f to, float start) {
   return r.tfar >= 0;
 }
 
+/// A point of the low mesh that looks for the source along its normal, both ways.
+struct Seeker {
+  Vec3f origin, outwards;
+  float reach_cm;  // in which the nearest point counts where no ray finds one
+};
+
 /// Keeps `otherwise` if nothing is within the reach, or something lies before it.
-SourcePoint nearest_source(const SourceSurface& source, Vec3f origin, Vec3f direction, float reach_cm,
-                           float start, SourcePoint otherwise) {
-  NearestQuery query{&source, origin, direction, otherwise};
-  RTCPointQuery point{origin.x, origin.y, origin.z, 0, reach_cm};
+SourcePoint nearest_source(const SourceSurface& source, const Seeker& from, float start,
+                           SourcePoint otherwise) {
+  const Vec3f origin = from.origin;
+  NearestQuery query{&source, origin, from.outwards, otherwise};
+  RTCPointQuery point{origin.x, origin.y, origin.z, 0, from.reach_cm};
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   rtcPointQuery(source.bvh(), &point, &context, visit_nearest, &query);
@@ -73,8 +80,8 @@ SourcePoint nearest_source(const SourceSurface& source, Vec3f origin, Vec3f dire
   return sees(source, origin, at, start) ? query.found : otherwise;
 }
 
-SourcePoint choose(const SourceSurface& source, const Way& outward, const Way& inward, Vec3f origin,
-                   Vec3f direction, float reach_cm, float start) {
+SourcePoint choose(const SourceSurface& source, const Way& outward, const Way& inward, const Seeker& from,
+                   float start) {
   const bool is_out = outward.result == RayResult::kHit, is_in = inward.result == RayResult::kHit;
   if (is_out && (!is_in || outward.t <= inward.t))
     return {RayResult::kHit, outward.triangle, outward.u, outward.v, outward.t};
@@ -82,15 +89,22 @@ SourcePoint choose(const SourceSurface& source, const Way& outward, const Way& i
   SourcePoint none;
   if (outward.result == RayResult::kBackFace || inward.result == RayResult::kBackFace)
     none.result = RayResult::kBackFace;
-  return nearest_source(source, origin, direction, reach_cm, start, none);
+  return nearest_source(source, from, start, none);
 }
+
+/// What a ray of one way met.
+struct LayerHit {
+  uint32_t triangle;
+  Vec3f geometric;  // normal, as Embree has it
+  float u, v, t;
+};
 
 /// One way of one point: the layers that it passed, and what it found.
 class Passage {
  public:
   /// Whether the way goes on behind a hit, from t_near() on; what it says otherwise is in `way`.
-  bool goes_on(const SourceSurface& source, uint32_t triangle, Vec3f geometric, Vec3f outwards, float u,
-               float v, float t, float start, Way& way) {
+  bool goes_on(const SourceSurface& source, const LayerHit& hit, Vec3f outwards, float start, Way& way) {
+    const auto& [triangle, geometric, u, v, t] = hit;
     // As beyond says: the layer passed last may be reported again.
     const bool is_met_again = triangle == passed_;
     if (!is_met_again) {
@@ -133,9 +147,12 @@ void trace_eight(const SourceSurface& source, const RayPacket& packet, float sig
       if (!valid[i]) continue;
       valid[i] = 0;
       if (r.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
-      if (!passages[i].goes_on(source, r.hit.primID[i], {r.hit.Ng_x[i], r.hit.Ng_y[i], r.hit.Ng_z[i]},
-                               packet.direction[i], r.hit.u[i], r.hit.v[i], r.ray.tfar[i], start, ways[i]))
-        continue;
+      const LayerHit hit{r.hit.primID[i],
+                         {r.hit.Ng_x[i], r.hit.Ng_y[i], r.hit.Ng_z[i]},
+                         r.hit.u[i],
+                         r.hit.v[i],
+                         r.ray.tfar[i]};
+      if (!passages[i].goes_on(source, hit, packet.direction[i], start, ways[i])) continue;
       valid[i] = -1;
       any = true;
       r.ray.tnear[i] = passages[i].t_near();
@@ -159,9 +176,8 @@ Way trace_one(const SourceSurface& source, Vec3f origin, Vec3f outwards, float s
     r.hit.geomID = RTC_INVALID_GEOMETRY_ID, r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     surface::intersect_one(source.bvh(), r);
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) break;
-    if (!passage.goes_on(source, r.hit.primID, {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, outwards, r.hit.u,
-                         r.hit.v, r.ray.tfar, start, way))
-      break;
+    const LayerHit hit{r.hit.primID, {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z}, r.hit.u, r.hit.v, r.ray.tfar};
+    if (!passage.goes_on(source, hit, outwards, start, way)) break;
   }
   return way;
 }
@@ -179,8 +195,9 @@ void find_source(const SourceSurface& source, const RayPacket& packet, SourcePoi
                        : packet.inward_cm;
   trace_eight(source, packet, -1, inward_cm, start, inward);
   for (int i = 0; i < packet.count; ++i)
-    points[i] = choose(source, outward[i], inward[i], packet.origin[i], packet.direction[i],
-                       std::max(packet.outward_cm[i], packet.inward_cm), start);
+    points[i] = choose(
+        source, outward[i], inward[i],
+        {packet.origin[i], packet.direction[i], std::max(packet.outward_cm[i], packet.inward_cm)}, start);
 }
 
 SourcePoint find_source_of_one(const SourceSurface& source, Vec3f origin, Vec3f direction, float outward_cm,
@@ -190,7 +207,7 @@ SourcePoint find_source_of_one(const SourceSurface& source, Vec3f origin, Vec3f 
   const bool is_out = outward.result == RayResult::kHit;
   const Way inward =
       trace_one(source, origin, direction, -1, is_out ? std::min(inward_cm, outward.t) : inward_cm, start);
-  return choose(source, outward, inward, origin, direction, std::max(outward_cm, inward_cm), start);
+  return choose(source, outward, inward, {origin, direction, std::max(outward_cm, inward_cm)}, start);
 }
 
 }  // namespace ohb::bake

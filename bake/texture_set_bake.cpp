@@ -82,20 +82,22 @@ std::vector<uint8_t> any_of_blocks(const std::vector<uint8_t>& values, int width
 
 }  // namespace
 
-SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, const MaterialTable& table,
-                 const BakeOptions& options, const MeshFrames& frames, const SourceBake* source,
-                 SetReport& report)
-    : mesh_(mesh),
-      scan_(scan),
-      table_(table),
-      material_(scan.materials[mesh.material_of_set[set]]),
-      green_(options.green.empty() ? surface::GreenChannel::kUp : options.green[mesh.material_of_set[set]]),
-      class_weights_(options.class_weights.empty() ? std::filesystem::path()
-                                                   : options.class_weights[mesh.material_of_set[set]]),
+SetBake::SetBake(const BakeInputs& inputs, uint16_t set, SetReport& report)
+    : mesh_(inputs.mesh),
+      scan_(inputs.scan),
+      table_(inputs.table),
+      material_(scan_.materials[mesh_.material_of_set[set]]),
+      green_(inputs.options.green.empty() ? surface::GreenChannel::kUp
+                                          : inputs.options.green[mesh_.material_of_set[set]]),
+      class_weights_(inputs.options.class_weights.empty()
+                         ? std::filesystem::path()
+                         : inputs.options.class_weights[mesh_.material_of_set[set]]),
       report_(report),
-      triangles_(triangles_of(mesh, set)),
-      ships_levels_(options.wants_mips),
-      from_source_(source != nullptr) {
+      triangles_(triangles_of(mesh_, set)),
+      ships_levels_(inputs.options.wants_mips),
+      from_source_(inputs.source != nullptr) {
+  const BakeOptions& options = inputs.options;
+  const SourceBake* const source = inputs.source;
   report.name = material_.name;
   report.diffuse = material_.diffuse.file.filename().string();
   report.alpha = material_.alpha.file.filename().string();
@@ -103,21 +105,29 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
   const MapSize size = size_of_set(material_, triangles_.index.size(), options.size_px,
                                    source ? source->surface->picture_edge_px() : 0);
   coverage_ = surface::cover_texels(triangles_.uvs, size.width_px, size.height_px);
-  report_geometry(mesh.model, triangles_, coverage_, report);
+  report_geometry(mesh_.model, triangles_, coverage_, report);
   has_class_ = covered_texels(coverage_);
   has_value_ = has_class_;
   is_inside_.resize(coverage_.flags.size());
   for (size_t i = 0; i < is_inside_.size(); ++i)
     is_inside_[i] = coverage_.flags[i] & surface::TexelCoverage::kCentre;
-  const UvCharts charts = find_charts(mesh.model, triangles_.index, triangles_.uvs, width_px(), height_px());
-  seams_ = find_seams(mesh.model, triangles_with_seams(charts, triangles_.index, triangles_.uvs, coverage_),
-                      &frames);
+  const UvCharts charts = find_charts(mesh_.model, triangles_.index, triangles_.uvs, width_px(), height_px());
+  seams_ = find_seams(mesh_.model, triangles_with_seams(charts, triangles_.index, triangles_.uvs, coverage_),
+                      &inputs.frames);
   report.seam_edges = seams_.size();
   mends_seams_ = options.mends_seams && !seams_.empty();
   if (source) check_overlaps(report, options.source);
+  look_at_seams_and_source(source);
+  if (!source) return;
+  reach_cm_ = std::max(source->outward_cm, source->inward_cm);
+  report_source();
+  check_misses(report, *source, options.source);
+}
+
+void SetBake::look_at_seams_and_source(const SourceBake* source) {
   run_side_by_side({[&] {
-                      const size_t all_seams = find_seams(mesh.model, triangles_.index, nullptr).size();
-                      report.seam_edges_left_out = std::max(all_seams, seams_.size()) - seams_.size();
+                      const size_t all_seams = find_seams(mesh_.model, triangles_.index, nullptr).size();
+                      report_.seam_edges_left_out = std::max(all_seams, seams_.size()) - seams_.size();
                       if (mends_seams_ && !ships_levels_)
                         mender_ = std::make_unique<SeamMender>(seams_, is_inside_, width_px(), height_px());
                     },
@@ -125,13 +135,9 @@ SetBake::SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, cons
                       if (!seams_.empty())
                         band_ = std::make_unique<SeamBand>(seams_, has_class_, width_px(), height_px());
                       if (source)
-                        source_ = bake_from_source(mesh.model, triangles_.index, triangles_.uvs, coverage_,
+                        source_ = bake_from_source(mesh_.model, triangles_.index, triangles_.uvs, coverage_,
                                                    *source);
                     }});
-  if (!source) return;
-  reach_cm_ = std::max(source->outward_cm, source->inward_cm);
-  report_source();
-  check_misses(report, *source, options.source);
 }
 
 void SetBake::report_source() {

@@ -23,12 +23,21 @@ struct SetTriangles {
   std::vector<std::array<uint32_t, 3>> corners;  // into Scan::corners
 };
 
+/// What the bakes of all texture sets of one scan share. Borrows all of it.
+struct BakeInputs {
+  const CanonicalMesh& mesh;
+  const Scan& scan;
+  const MaterialTable& table;
+  const BakeOptions& options;
+  const MeshFrames& frames;
+  const SourceBake* source;  // null: the scan's own pictures
+};
+
 class SetBake {
  public:
-  /// All arguments must outlive this. `source`: null for the scan's own pictures. Throws InputError for a
-  /// picture that cannot be read, and where more texels than allowed miss the source.
-  SetBake(const CanonicalMesh& mesh, const Scan& scan, uint16_t set, const MaterialTable& table,
-          const BakeOptions& options, const MeshFrames& frames, const SourceBake* source, SetReport& report);
+  /// Both arguments must outlive this. Throws InputError for a picture that cannot be read, and where more
+  /// texels than allowed miss the source.
+  SetBake(const BakeInputs& inputs, uint16_t set, SetReport& report);
 
   int width_px() const { return coverage_.width_px; }
   int height_px() const { return coverage_.height_px; }
@@ -65,6 +74,7 @@ class SetBake {
   Image finished(Image image, const char* map, const std::vector<uint8_t>& is_covered, MapValues values);
   void report_seams(MapSeams seams);
   void report_shipped(const char* map, std::vector<SeamError> levels);
+  void look_at_seams_and_source(const SourceBake* source);
   void report_source();
 
   const CanonicalMesh& mesh_;

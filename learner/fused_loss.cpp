@@ -97,22 +97,21 @@ double run(const std::array<Tensor, kMapCount>& prediction, const std::array<Ten
 /// The forward pass makes the gradients too (they cost little more then); backward scales them.
 class FusedLoss : public torch::autograd::Function<FusedLoss> {
  public:
-  static Tensor forward(AutogradContext* context, Variable normal, Variable diffuse, Variable roughness,
-                        Variable specular, Variable sss, Variable displacement, const MaterialMaps& truth,
+  static Tensor forward(AutogradContext* context, at::TensorList maps, const MaterialMaps& truth,
                         const Tensor& mask, const Setting& setting) {
-    std::array<Tensor, kMapCount> prediction = {normal, diffuse, roughness, specular, sss, displacement};
-    std::array<Tensor, kMapCount> wanted = tensors_of(truth), gradient;
+    std::array<Tensor, kMapCount> prediction, wanted = tensors_of(truth), gradient;
+    std::copy(maps.begin(), maps.end(), prediction.begin());
     for (int i = 0; i < kMapCount; ++i) {
       if (prediction[i].requires_grad())
         gradient[i] = torch::zeros_like(prediction[i], torch::MemoryFormat::Contiguous);
       prediction[i] = prediction[i].contiguous();
       wanted[i] = wanted[i].contiguous();
     }
-    const double loss = normal.scalar_type() == torch::kDouble
+    const double loss = maps[0].scalar_type() == torch::kDouble
                             ? run<double>(prediction, wanted, gradient, mask, setting)
                             : run<float>(prediction, wanted, gradient, mask, setting);
     for (int i = 0; i < kMapCount; ++i) context->saved_data[std::to_string(i)] = gradient[i];
-    return torch::full({}, loss, normal.options().requires_grad(false));
+    return torch::full({}, loss, maps[0].options().requires_grad(false));
   }
 
   static variable_list backward(AutogradContext* context, variable_list outer) {
@@ -160,8 +159,8 @@ Tensor fused_rendering_loss(const MaterialMaps& prediction, const MaterialMaps& 
   check(truth, mask, "truth");
   if (truth.normal.scalar_type() != prediction.normal.scalar_type())
     throw std::invalid_argument("truth and prediction differ in type");
-  return FusedLoss::apply(prediction.normal, prediction.diffuse, prediction.roughness, prediction.specular,
-                          prediction.sss, prediction.displacement, truth, mask, Setting{lights, options});
+  const std::array<Tensor, kMapCount> maps = tensors_of(prediction);
+  return FusedLoss::apply(at::TensorList(maps), truth, mask, Setting{lights, options});
 }
 
 }  // namespace ohb::learner

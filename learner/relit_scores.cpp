@@ -64,7 +64,7 @@ std::vector<Tensor> relit(const MaterialMaps& maps, const Tensor& mask, const Ca
   settings.subsurface = false;  // an open sheet has no inside: walks would leave through its missing back
   settings.crop = box_of(mask);
   const auto scene = renderer::build_scene(relief_of(maps, mask, camera, half_frame_cm));
-  const auto images = renderer::render_lights(*scene, lights, camera, 0, settings);
+  const auto images = renderer::render_lights({*scene, lights, camera, 0}, settings);
   const Tensor unknown = (mask > 0) & ~known_pixels(maps, mask);
   std::vector<Tensor> pictures;
   for (const SampleLight& image : images)

@@ -131,21 +131,20 @@ Tensor srgb_of(const Tensor& linear) {
 }
 
 Losses losses_of(Task task, const Tensor& output, const MaterialMaps& truth, const Tensor& mask,
-                 const std::vector<shading::Light<double>>& lights, double render_weight,
-                 const shading::Options& options, bool balanced) {
+                 const std::vector<shading::Light<double>>& lights, const LossOptions& options) {
   const MaterialMaps estimate = maps_of(task, output, truth);
   // Normals count after normalisation: their length in the output means nothing.
   const bool has_normal = task == Task::kGeometry || task == Task::kFinetune;
   const Tensor counted = has_normal ? torch::cat({(estimate.normal + 1) / 2, output.slice(1, 3)}, 1) : output;
   Tensor difference = (counted - encoded_maps(task, truth)).abs();
   const bool has_rss = task == Task::kRss || task == Task::kFinetune;
-  if (balanced && has_rss) difference = with_balanced_rss(difference);
+  if (options.balanced && has_rss) difference = with_balanced_rss(difference);
   difference = difference * mask;
   Losses losses;
   losses.map = difference.sum() / (mask.sum() * static_cast<double>(output.size(1))).clamp_min(1e-6);
-  losses.render =
-      fused_rendering_loss(controlled(task, estimate), controlled(task, truth), mask, lights, options);
-  losses.total = losses.map + render_weight * losses.render;
+  losses.render = fused_rendering_loss(controlled(task, estimate), controlled(task, truth), mask, lights,
+                                       options.shading);
+  losses.total = losses.map + options.render_weight * losses.render;
   return losses;
 }
 

@@ -55,6 +55,12 @@ struct Losses {
   torch::Tensor total, map, render;
 };
 
+struct LossOptions {
+  double render_weight = 1;
+  shading::Options shading = {};
+  bool balanced = false;  // roughness, specular and sss count alike
+};
+
 /// map: L1 of encoded outputs and truth (normals normalised first), averaged over channels and, by coverage,
 /// over the foreground. render: fused_rendering_loss under CPR. total = map + render_weight x render.
 ///
@@ -63,7 +69,6 @@ struct Losses {
 /// then weigh as much as roughness does; and where the material is uncertain the squared part asks for its
 /// mean, which is what PSNR judges, not for the likelier of two.
 Losses losses_of(Task task, const torch::Tensor& output, const MaterialMaps& truth, const torch::Tensor& mask,
-                 const std::vector<shading::Light<double>>& lights, double render_weight,
-                 const shading::Options& options = {}, bool balanced = false);
+                 const std::vector<shading::Light<double>>& lights, const LossOptions& options = {});
 
 }  // namespace ohb::learner

@@ -175,7 +175,7 @@ Step Trainer::step(const Batch& batch, int64_t number) {
   shading::Options shading;
   shading.log_domain = !options_.linear_render;
   const Losses losses = losses_of(options_.task, output, batch.truth, batch.mask, lights,
-                                  options_.render_weight, shading, options_.balanced);
+                                  {options_.render_weight, shading, options_.balanced});
   Step result{losses.total.item<double>(), losses.map.item<double>(), losses.render.item<double>(), 0};
   if (!std::isfinite(result.total)) return result;
   losses.total.backward();

@@ -15,21 +15,28 @@ struct PixelSums {
   float classes[kClassCount] = {};
 };
 
-void add_layer(const Scene& scene, const ViewCamera& view, const Ray& ray, const Hit& hit, float weight,
-               double turn_rad, PixelSums& sums) {
-  const SurfacePoint point = surface_at(scene, hit, -ray.direction);
+// The subject as one camera sees it.
+struct Look {
+  const Scene& scene;
+  ViewCamera view;
+  double turn_rad;
+};
+
+void add_layer(const Look& look, const Ray& ray, const Hit& hit, float weight, PixelSums& sums) {
+  const SurfacePoint point = surface_at(look.scene, hit, -ray.direction);
   sums.weight += weight;
-  sums.normal += weight * view.to_camera(point.n);
+  sums.normal += weight * look.view.to_camera(point.n);
   sums.albedo += weight * point.texel.albedo;
   sums.roughness += weight * point.texel.roughness;
   sums.specular += weight * point.texel.specular;
   sums.sss += weight * point.texel.sss;
-  sums.displacement += weight * turn_about_y(point.position, turn_rad).z;
+  sums.displacement += weight * turn_about_y(point.position, look.turn_rad).z;
   if (point.material_class < kClassCount) sums.classes[point.material_class] += weight;
 }
 
 // All layers along a ray, front to back, until nothing more can be seen.
-void add_point(const Scene& scene, const ViewCamera& view, const Ray& ray, double turn_rad, PixelSums& sums) {
+void add_point(const Look& look, const Ray& ray, PixelSums& sums) {
+  const Scene& scene = look.scene;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   Hit solid, layer;
   const bool has_solid = scene.opaque && intersect_bvh(scene.opaque, 0, ray, 0, kInfinity, solid);
@@ -39,12 +46,12 @@ void add_point(const Scene& scene, const ViewCamera& view, const Ray& ray, doubl
   while (scene.cutout && visible > 0 &&
          intersect_bvh(scene.cutout, scene.opaque_count, ray, t_near, t_far, layer)) {
     const float alpha = layer.triangle == passed ? 0 : std::clamp(alpha_at(scene, layer), 0.0f, 1.0f);
-    if (alpha > 0) add_layer(scene, view, ray, layer, visible * alpha, turn_rad, sums);
+    if (alpha > 0) add_layer(look, ray, layer, visible * alpha, sums);
     visible *= 1 - alpha;
     passed = layer.triangle;
     t_near = surface::beyond(layer.t, t_near);
   }
-  if (has_solid && visible > 0) add_layer(scene, view, ray, solid, visible, turn_rad, sums);
+  if (has_solid && visible > 0) add_layer(look, ray, solid, visible, sums);
 }
 
 void store(const PixelSums& sums, int points, int x, int y, Sample& sample) {
@@ -72,8 +79,8 @@ Sample render_maps(const Scene& scene, const Camera& camera, double turn_rad, co
     *image = Image(n, n, 1);
   sample.normal = sample.diffuse = Image(n, n, 3);
   sample.classes = Image(n, n, kClassCount);
-  const ViewCamera view(camera, turn_rad, n);
-  const std::vector<uint8_t> seen = footprint(scene, view, n);
+  const Look look{scene, ViewCamera(camera, turn_rad, n), turn_rad};
+  const std::vector<uint8_t> seen = footprint(scene, look.view, n);
   parallel_for_each(0, n, [&](int y) {
     for (int x = 0; x < n; ++x) {
       if (!seen[static_cast<size_t>(y) * n + x]) continue;
@@ -81,9 +88,9 @@ Sample render_maps(const Scene& scene, const Camera& camera, double turn_rad, co
       for (int j = 0; j < grid; ++j)
         for (int i = 0; i < grid; ++i) {
           const float step = 1 / static_cast<float>(grid);
-          const Ray ray = view.ray(static_cast<float>(x) + (static_cast<float>(i) + 0.5f) * step,
-                                   static_cast<float>(y) + (static_cast<float>(j) + 0.5f) * step);
-          add_point(scene, view, ray, turn_rad, sums);
+          const Ray ray = look.view.ray(static_cast<float>(x) + (static_cast<float>(i) + 0.5f) * step,
+                                        static_cast<float>(y) + (static_cast<float>(j) + 0.5f) * step);
+          add_point(look, ray, sums);
         }
       store(sums, grid * grid, x, y, sample);
     }

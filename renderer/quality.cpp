@@ -111,18 +111,18 @@ struct ViewPilots {
 
 class Choice {
  public:
-  Choice(const Model& model, Variants& variants, const std::vector<QualityView>& views, int job_views,
-         const RenderSettings& settings, double tolerance)
+  Choice(const Model& model, Variants& variants, const std::vector<QualityView>& views,
+         const RenderSettings& settings, const QualityGoal& goal)
       : model_(model),
         variants_(variants),
         views_(views),
-        job_views_(job_views),
+        job_views_(goal.job_views),
         settings_(settings),
-        tolerance_(tolerance) {
+        tolerance_(goal.tolerance) {
     const PreparedScene all = variants_.of(Needs());
     double attempt = 0;  // paths of one, at 1 a pixel
     for (const QualityView& view : views_) {
-      const Picture picture(*all.scene, *all.lights, view.camera, view.turn_rad, settings_);
+      const Picture picture({*all.scene, *all.lights, view.camera, view.turn_rad}, settings_);
       attempt += kImages * static_cast<double>(pilot_pixels(picture, kPilotPixels).size());
       job_paths_ += settings_.spp * static_cast<double>(job_views_) / static_cast<double>(views_.size()) *
                     static_cast<double>(std::count(picture.seen.begin(), picture.seen.end(), 1));
@@ -164,7 +164,7 @@ class Choice {
     ViewPilots result;
     RenderStatistics statistics;
     for (const QualityView& view : views_) {
-      const Picture picture(scene, lights, view.camera, view.turn_rad, settings);
+      const Picture picture({scene, lights, view.camera, view.turn_rad}, settings);
       result.stacks.push_back(render_pilot_stack(picture, pilot_pixels(picture, kPilotPixels), kImages, spp,
                                                  statistics, nullptr));
     }
@@ -294,12 +294,11 @@ RenderSettings PreparedScene::settings_for(RenderSettings settings) const {
 
 PreparedScene prepare_scene(const Model& model, const std::vector<Environment>& environments,
                             const std::vector<PointLight>& points, const std::vector<QualityView>& views,
-                            int job_views, const RenderSettings& settings, Quality quality,
-                            double tolerance) {
+                            const RenderSettings& settings, const QualityGoal& goal) {
   Variants variants(model, environments, points);
-  if (quality == Quality::kReference) return variants.of(Needs());
-  if (quality == Quality::kFast) return variants.of(kFastNeeds);
-  return Choice(model, variants, views, job_views, settings, tolerance).run();
+  if (goal.quality == Quality::kReference) return variants.of(Needs());
+  if (goal.quality == Quality::kFast) return variants.of(kFastNeeds);
+  return Choice(model, variants, views, settings, goal).run();
 }
 
 }  // namespace ohb::renderer

@@ -56,6 +56,13 @@ struct QualityView {
   double turn_rad = 0;
 };
 
+/// What a job may leave out: `job_views` images are to be made; `tolerance` is that of kAuto.
+struct QualityGoal {
+  Quality quality = Quality::kReference;
+  double tolerance = 0;
+  int job_views = 1;
+};
+
 /// For kAuto, tries in a fixed order: environments of half, a quarter ... of their width (all in one pass),
 /// no subsurface, a cache instead of shadow rays and bounces (if building it takes no more rays than the job
 /// has paths), else fewer bounces; smaller maps. Each is rendered beside the reference with the same random
@@ -66,6 +73,6 @@ struct QualityView {
 /// paths), that of the cache 1/16; then it stays. Never uses a clock: the same job makes the same choice.
 PreparedScene prepare_scene(const Model& model, const std::vector<Environment>& environments,
                             const std::vector<PointLight>& points, const std::vector<QualityView>& views,
-                            int job_views, const RenderSettings& settings, Quality quality, double tolerance);
+                            const RenderSettings& settings, const QualityGoal& goal);
 
 }  // namespace ohb::renderer

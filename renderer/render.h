@@ -98,11 +98,18 @@ using PixelsDone = std::function<void(size_t)>;
 Sample render_maps(const Scene& scene, const Camera& camera, double turn_rad, const RenderSettings& settings,
                    const PixelsDone& done = nullptr);
 
+/// What a camera sees of a scene in some lights; `turn_rad` turns the subject about +Y. Borrows all of it.
+struct LitView {
+  const Scene& scene;
+  const LightSet& lights;
+  const Camera& camera;
+  double turn_rad;
+};
+
 /// One radiance image a light (linear Rec. 709, premultiplied by coverage, background black), environments
 /// first. One path traversal serves all lights; each image is unbiased by itself. Bit-identical for any
 /// thread count.
-std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& lights, const Camera& camera,
-                                       double turn_rad, const RenderSettings& settings,
+std::vector<SampleLight> render_lights(const LitView& view, const RenderSettings& settings,
                                        RenderStatistics* statistics = nullptr,
                                        const PixelsDone& done = nullptr);
 

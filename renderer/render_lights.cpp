@@ -54,11 +54,10 @@ std::vector<SampleLight> render_adaptively(const Picture& picture, RenderStatist
 
 }  // namespace
 
-std::vector<SampleLight> render_lights(const Scene& scene, const LightSet& lights, const Camera& camera,
-                                       double turn_rad, const RenderSettings& settings,
+std::vector<SampleLight> render_lights(const LitView& view, const RenderSettings& settings,
                                        RenderStatistics* statistics, const PixelsDone& done) {
   const auto start = std::chrono::steady_clock::now();
-  const Picture picture(scene, lights, camera, turn_rad, settings);
+  const Picture picture(view, settings);
   RenderStatistics unasked;
   RenderStatistics& counted = statistics ? *statistics : unasked;
   const std::vector<uint32_t> even = picture.even_budget(settings.spp);

@@ -266,16 +266,14 @@ const RegionError* ErrorReport::worst_of(const std::string& light) const {
   return largest;
 }
 
-std::vector<SampleLight> render_to_error(const Scene& scene, const LightSet& lights, const Camera& camera,
-                                         double turn_rad, const RenderSettings& settings,
+std::vector<SampleLight> render_to_error(const LitView& view, const RenderSettings& settings,
                                          const ErrorGoal& goal, ErrorReport& report,
-                                         RenderStatistics* statistics, const PixelsDone& done,
-                                         const RoundDone& round_done) {
+                                         const RenderWatch& watch) {
   const auto start = std::chrono::steady_clock::now();
-  const Picture picture(scene, lights, camera, turn_rad, settings);
+  const Picture picture(view, settings);
   RenderStatistics unasked;
-  RenderStatistics& counted = statistics ? *statistics : unasked;
-  ErrorRender render(picture, goal, counted, done, round_done);
+  RenderStatistics& counted = watch.statistics ? *watch.statistics : unasked;
+  ErrorRender render(picture, goal, counted, watch.done, watch.round_done);
   report = {};
   std::vector<SampleLight> image = render.run(report);
   if (report.spp > 0) report.errors = render.errors();

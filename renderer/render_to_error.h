@@ -33,6 +33,13 @@ struct ErrorReport {
 /// Called between rounds with the largest error so far.
 using RoundDone = std::function<void(double relative_error)>;
 
+/// Who hears of the progress of a call; each may be left out.
+struct RenderWatch {
+  RenderStatistics* statistics = nullptr;
+  PixelsDone done = nullptr;
+  RoundDone round_done = nullptr;
+};
+
 /// render_lights until the estimated error of every region of every light is at most the goal
 /// (settings.spp is not used). How, so that it stays unbiased: pilot images, not used otherwise, share the
 /// paths out among pixels (settings.adaptive) and regions and set a fixed schedule of rounds. Then four
@@ -41,11 +48,8 @@ using RoundDone = std::function<void(double relative_error)>;
 /// on its own values. The result is the mean of all four with fixed weights. (Weights or stops from an
 /// image's own values favour what happens to be dark: Kirk and Arvo, "Unbiased Sampling Techniques for Image
 /// Synthesis", 1991.) The reported errors are from all four. Bit-identical for any thread count.
-std::vector<SampleLight> render_to_error(const Scene& scene, const LightSet& lights, const Camera& camera,
-                                         double turn_rad, const RenderSettings& settings,
+std::vector<SampleLight> render_to_error(const LitView& view, const RenderSettings& settings,
                                          const ErrorGoal& goal, ErrorReport& report,
-                                         RenderStatistics* statistics = nullptr,
-                                         const PixelsDone& done = nullptr,
-                                         const RoundDone& round_done = nullptr);
+                                         const RenderWatch& watch = {});
 
 }  // namespace ohb::renderer

@@ -234,25 +234,24 @@ std::vector<TileBox> tiles_of(const PixelBox& box, const std::vector<uint32_t>& 
 
 }  // namespace
 
-Picture::Picture(const Scene& scene, const LightSet& lights, const Camera& camera, double turn_rad,
-                 const RenderSettings& render_settings)
+Picture::Picture(const LitView& seen_view, const RenderSettings& render_settings)
     : cache(render_settings.visibility
-                ? std::make_unique<LightCache>(*render_settings.visibility, scene, lights, turn_rad,
-                                               render_settings.max_bounces)
+                ? std::make_unique<LightCache>(*render_settings.visibility, seen_view.scene, seen_view.lights,
+                                               seen_view.turn_rad, render_settings.max_bounces)
                 : nullptr),
-      context{scene,
-              lights,
-              turn_rad,
-              turn_about_y({1, 0, 0}, -turn_rad),
-              turn_about_y({0, 0, 1}, -turn_rad),
+      context{seen_view.scene,
+              seen_view.lights,
+              seen_view.turn_rad,
+              turn_about_y({1, 0, 0}, -seen_view.turn_rad),
+              turn_about_y({0, 0, 1}, -seen_view.turn_rad),
               render_settings.max_bounces,
               render_settings.ends_at_rough_surfaces,
               render_settings.subsurface,
               cache.get()},
-      view(camera, turn_rad, render_settings.size_px),
+      view(seen_view.camera, seen_view.turn_rad, render_settings.size_px),
       settings(render_settings),
       box(settings.crop),
-      seen(footprint(scene, view, settings.size_px)) {
+      seen(footprint(context.scene, view, settings.size_px)) {
   if (box.x1 <= box.x0 || box.y1 <= box.y0) box = {0, 0, settings.size_px, settings.size_px};
 }
 

@@ -10,8 +10,7 @@ namespace ohb::renderer {
 
 /// One call's scene, lights, view and pixels. Refers to the scene, lights and settings that it is made of.
 struct Picture {
-  Picture(const Scene& scene, const LightSet& lights, const Camera& camera, double turn_rad,
-          const RenderSettings& settings);
+  Picture(const LitView& view, const RenderSettings& settings);
 
   std::unique_ptr<const LightCache> cache;  // null: none
   PathContext context;

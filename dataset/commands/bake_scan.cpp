@@ -38,7 +38,8 @@ surface::GreenChannel green_of(const Scan& scan, const std::vector<ScanTriangle>
   if (image.channels < 3) return surface::GreenChannel::kUp;  // the bake refuses it
   if (info.is_float)
     for (float& value : image.values) value = 0.5f + 0.5f * value;
-  const UvRaster raster = rasterise_uvs(scan, triangles, topology, material, image.width_px, image.height_px);
+  const UvRaster raster =
+      rasterise_uvs(scan, triangles, topology, material, {image.width_px, image.height_px});
   std::vector<uint32_t> region(static_cast<size_t>(image.width_px) * image.height_px, kNoRegion);
   for (size_t i = 0; i < raster.face.size(); ++i)
     if (raster.face[i] != kNoFace) region[i] = chart_of_face[raster.face[i]];

@@ -161,8 +161,8 @@ class MaterialInspector {
     if (!report.is_cut_out) return report;
     const int width = std::min(image.width_px, grid_.size_px),
               height = std::min(image.height_px, grid_.size_px);
-    const UvRaster raster = rasterise_uvs(scan_, materials_[material].triangles, topology_, material, width,
-                                          height, grid_.max_tests);
+    const UvRaster raster = rasterise_uvs(scan_, materials_[material].triangles, topology_, material,
+                                          {width, height, grid_.max_tests});
     const ScanMaterial& of = scan_.materials[material];
     report.transparent_share =
         use == "alpha" ? transparent_share(surface::read_alpha_picture(of), 0, raster, width, height, of)
@@ -173,7 +173,7 @@ class MaterialInspector {
   /// The chart of each texel of a normal map.
   std::vector<uint32_t> charts_in(uint16_t material, const Image& image) const {
     const UvRaster raster = rasterise_uvs(scan_, materials_[material].triangles, topology_, material,
-                                          image.width_px, image.height_px);
+                                          {image.width_px, image.height_px});
     std::vector<uint32_t> region(static_cast<size_t>(image.width_px) * image.height_px, kNoRegion);
     for (size_t i = 0; i < raster.face.size(); ++i)
       if (raster.face[i] != kNoFace) region[i] = chart_of_face_[raster.face[i]];

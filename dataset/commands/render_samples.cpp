@@ -76,8 +76,8 @@ renderer::PreparedScene prepare(const RenderJob& job, const Model& model,
     looked_at.push_back(
         {camera, turn_of_view(views[k * views.size() / std::min<size_t>(3, views.size())], job.views.count)});
   renderer::PreparedScene prepared =
-      renderer::prepare_scene(model, environments, job.points, looked_at, static_cast<int>(views.size()),
-                              job.settings, job.quality, job.tolerance);
+      renderer::prepare_scene(model, environments, job.points, looked_at, job.settings,
+                              {job.quality, job.tolerance, static_cast<int>(views.size())});
   for (const renderer::Omission& o : prepared.tried)
     spdlog::info("{} {}: changes the image by {:.2g} (98 % sure: {:.2g} to {:.2g})",
                  o.is_left_out ? "left out:" : "kept: without", o.what, o.error, o.low, o.high);
@@ -90,9 +90,7 @@ renderer::PreparedScene prepare(const RenderJob& job, const Model& model,
 
 /// To the goal, with a warning if it is not reached. Progress counts pixels: as many are done as the share of
 /// the goal's paths that the error says.
-std::vector<SampleLight> render_goal(const renderer::Scene& scene, const renderer::LightSet& lights,
-                                     const Camera& camera, double turn_rad,
-                                     const renderer::RenderSettings& settings,
+std::vector<SampleLight> render_goal(const renderer::LitView& view, const renderer::RenderSettings& settings,
                                      const renderer::ErrorGoal& goal, RenderedView& rendered,
                                      Progress& progress) {
   const size_t pixels = static_cast<size_t>(settings.size_px) * settings.size_px;
@@ -103,12 +101,12 @@ std::vector<SampleLight> render_goal(const renderer::Scene& scene, const rendere
     shown = done;
   };
   std::vector<SampleLight> images = renderer::render_to_error(
-      scene, lights, camera, turn_rad, settings, goal, rendered.error, &rendered.statistics,
-      [](size_t) { throw_if_interrupted(); },
-      [&](double error) {
-        progress.note(fmt::format("error {:.3g} of {:.3g}", error, goal.relative_error));
-        show(std::isfinite(error) ? std::min(1.0, std::pow(goal.relative_error / error, 2)) : 0);
-      });
+      view, settings, goal, rendered.error,
+      {&rendered.statistics, [](size_t) { throw_if_interrupted(); },
+       [&](double error) {
+         progress.note(fmt::format("error {:.3g} of {:.3g}", error, goal.relative_error));
+         show(std::isfinite(error) ? std::min(1.0, std::pow(goal.relative_error / error, 2)) : 0);
+       }});
   show(1);
   const renderer::RegionError* worst = rendered.error.worst();
   if (!rendered.error.met && worst)
@@ -200,13 +198,12 @@ RenderReport render_samples(const RenderJob& job) {
       Sample sample = renderer::render_maps(*prepared.scene, camera, turn_rad, settings,
                                             [](size_t) { throw_if_interrupted(); });
       rendered.map_seconds = seconds_since(map_start);
-      sample.lights = job.goal ? render_goal(*prepared.lit, *prepared.lights, camera, turn_rad, settings,
-                                             *job.goal, rendered, progress)
-                               : renderer::render_lights(*prepared.lit, *prepared.lights, camera, turn_rad,
-                                                         settings, &rendered.statistics, [&](size_t n) {
-                                                           throw_if_interrupted();
-                                                           progress.add(n);
-                                                         });
+      const renderer::LitView lit{*prepared.lit, *prepared.lights, camera, turn_rad};
+      sample.lights = job.goal ? render_goal(lit, settings, *job.goal, rendered, progress)
+                               : renderer::render_lights(lit, settings, &rendered.statistics, [&](size_t n) {
+                                   throw_if_interrupted();
+                                   progress.add(n);
+                                 });
       if (rendered.statistics.nonfinite > 0)
         spdlog::warn("view {}: {} contributions were NaN or infinite and left out", view,
                      rendered.statistics.nonfinite);

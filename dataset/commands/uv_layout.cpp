@@ -230,18 +230,17 @@ std::vector<DrawnTriangle> drawn_triangles(const Scan& scan, const std::vector<S
 }  // namespace
 
 UvRaster rasterise_uvs(const Scan& scan, const std::vector<ScanTriangle>& triangles,
-                       const MeshTopology& topology, uint16_t material, int width_px, int height_px,
-                       double max_tests) {
+                       const MeshTopology& topology, uint16_t material, const RasterSize& size) {
   const std::vector<DrawnTriangle> drawn = drawn_triangles(scan, triangles, material);
-  int width = width_px, height = height_px;
+  int width = size.width_px, height = size.height_px;
   // Not "more than": the extent of a hostile triangle may be infinite.
-  while (!(texel_tests(drawn, width, height) <= max_tests)) {
+  while (!(texel_tests(drawn, width, height) <= size.max_tests)) {
     if (width <= kCoarsest_px || height <= kCoarsest_px) return {};
     width = (width + 1) / 2;
     height = (height + 1) / 2;
   }
   const UvRaster raster = rasterised(scan, topology, drawn, width, height);
-  return width == width_px ? raster : enlarged(raster, width, height, width_px, height_px);
+  return width == size.width_px ? raster : enlarged(raster, width, height, size.width_px, size.height_px);
 }
 
 std::vector<MaterialFaces> faces_of_materials(const Scan& scan, const std::vector<ScanTriangle>& triangles) {

@@ -50,9 +50,12 @@ struct UvRaster {
   size_t covered = 0,
          overlapping = 0;  // overlapping: hit again by a face that shares no vertex with the first
 };
+struct RasterSize {
+  int width_px, height_px;
+  double max_tests = 4e8;  // as UvGrid's
+};
 UvRaster rasterise_uvs(const Scan& scan, const std::vector<ScanTriangle>& triangles,
-                       const MeshTopology& topology, uint16_t material, int width_px, int height_px,
-                       double max_tests = 4e8);
+                       const MeshTopology& topology, uint16_t material, const RasterSize& size);
 
 /// Faces of the same material that are joined in UV space (they share an edge of the same two UV indices).
 std::vector<uint32_t> uv_charts(const Scan& scan);

@@ -98,7 +98,13 @@ class GltfReader {
     const uint32_t uv_base = add_uvs(primitive.uvs(uv_sets_.at(material), points.size()), place);
     const size_t first_corner = scan_.corners.size();
     const std::vector<uint32_t> order = primitive.order(points.size());
-    add_triangles(order, mode, material, group, mirrors, base, uv_base, place);
+    check_room(scan_.corners.size() + 3 * order.size(), place);
+    for (const std::array<size_t, 3>& at : triangles_of(order.size(), mode, mirrors, place)) {
+      begin_face(scan_, material, group);
+      for (size_t i : at)
+        scan_.corners.push_back(
+            {base + order[i], uv_base == Corner::kNoUv ? Corner::kNoUv : uv_base + order[i]});
+    }
     add_colours(primitive.colours(points.size()), material, base, first_corner);
   }
 
@@ -127,24 +133,22 @@ class GltfReader {
     return base;
   }
 
-  void add_triangles(const std::vector<uint32_t>& order, size_t mode, size_t material, size_t group,
-                     bool mirrored, uint32_t base, uint32_t uv_base, const std::string& place) {
-    if (mode == 4 && order.size() % 3 != 0)
-      gltf_.fail(place, "has " + std::to_string(order.size()) + " indices, which is no multiple of 3",
+  /// Which of `count` indices make each triangle of a list (mode 4), strip (5) or fan (6).
+  std::vector<std::array<size_t, 3>> triangles_of(size_t count, size_t mode, bool mirrored,
+                                                  const std::string& place) const {
+    if (mode == 4 && count % 3 != 0)
+      gltf_.fail(place, "has " + std::to_string(count) + " indices, which is no multiple of 3",
                  "export the scan again");
-    if (order.size() < 3) return;
-    const size_t count = mode == 4 ? order.size() / 3 : order.size() - 2;
-    check_room(scan_.corners.size() + 3 * count, place);
-    for (size_t t = 0; t < count; ++t) {
-      std::array<size_t, 3> at{t, t + 1, t + 2};
+    std::vector<std::array<size_t, 3>> triangles;
+    if (count < 3) return triangles;
+    triangles.resize(mode == 4 ? count / 3 : count - 2);
+    for (size_t t = 0; t < triangles.size(); ++t) {
+      std::array<size_t, 3>& at = triangles[t] = {t, t + 1, t + 2};
       if (mode == 4) at = {3 * t, 3 * t + 1, 3 * t + 2};
       if (mode == 6) at[0] = 0;
       if ((mode == 5 && t % 2 == 1) != mirrored) std::swap(at[1], at[2]);
-      begin_face(scan_, material, group);
-      for (size_t i : at)
-        scan_.corners.push_back(
-            {base + order[i], uv_base == Corner::kNoUv ? Corner::kNoUv : uv_base + order[i]});
     }
+    return triangles;
   }
 
   /// Of the corners from first_corner on, whose positions are still vertices of the primitive.

@@ -81,7 +81,7 @@ ByteImage preview(const ScannedPerson& scan, int size_px) {
     coarse.map_grid = 2;
     return coarse;
   }());
-  const std::vector<SampleLight> images = renderer::render_lights(*scene, *lights, camera, 0, settings);
+  const std::vector<SampleLight> images = renderer::render_lights({*scene, *lights, camera, 0}, settings);
   ByteImage out(size_px, size_px, 3);
   constexpr float kBackground = .35f;
   for (size_t i = 0; i < static_cast<size_t>(size_px) * static_cast<size_t>(size_px); ++i)

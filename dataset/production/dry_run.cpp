@@ -145,8 +145,8 @@ std::string to_text(const Forecast& f) {
       text += fmt::format("  a set of {}: {:.2f} s, {}\n", s.split, s.set_s, size_text(s.set_bytes));
   text += fmt::format("disk: {}\n", size_text(f.bytes));
   for (const MachinesForecast& m : f.machines)
-    text += fmt::format("{} {} like this one: {}\n", m.machines,
-                        m.machines == 1 ? "machine" : "machines", time_text(m.hours));
+    text += fmt::format("{} {} like this one: {}\n", m.machines, m.machines == 1 ? "machine" : "machines",
+                        time_text(m.hours));
   return text;
 }
 

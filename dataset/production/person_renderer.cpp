@@ -105,10 +105,10 @@ Sample PersonRenderer::render(const PlannedSet& set, FileHashes& hashes, int spp
   Sample sample = renderer::render_maps(*scene_, camera_, turn_rad, settings, done);
   renderer::RenderStatistics statistics;
   renderer::ErrorReport reached;
-  sample.lights =
-      spp == 0 ? renderer::render_to_error(*scene_, *lights, camera_, turn_rad, settings, *views_.goal,
-                                           reached, &statistics, done)
-               : renderer::render_lights(*scene_, *lights, camera_, turn_rad, settings, &statistics, done);
+  const renderer::LitView lit{*scene_, *lights, camera_, turn_rad};
+  sample.lights = spp == 0
+                      ? renderer::render_to_error(lit, settings, *views_.goal, reached, {&statistics, done})
+                      : renderer::render_lights(lit, settings, &statistics, done);
   environments_.give_back();
   if (statistics.nonfinite > 0)
     spdlog::warn("set {}: {} contributions were NaN or infinite and left out", set.number,

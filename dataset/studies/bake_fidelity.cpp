@@ -33,7 +33,7 @@ class ViewRenderer {
     validation::ImageStack stack;
     for (int k = 0; k < count; ++k) {
       render.seed = mix_bits(seed + static_cast<uint64_t>(k));
-      stack.push_back(renderer::render_lights(*scene_, *lights_, camera_, turn_rad_, render)[0].radiance);
+      stack.push_back(renderer::render_lights({*scene_, *lights_, camera_, turn_rad_}, render)[0].radiance);
     }
     return stack;
   }

@@ -152,7 +152,7 @@ class Measurement {
     settings.spp = passes.back().spp;  // the job that kAuto chooses for
     const Stopwatch loading;
     const renderer::PreparedScene prepared = renderer::prepare_scene(
-        model_, environments, {}, {{scene_.camera, 0}}, 1, settings, quality, kAutoTolerance);
+        model_, environments, {}, {{scene_.camera, 0}}, settings, {quality, kAutoTolerance, 1});
     const double load_s = chart_.settings.model_read_s +
                           chart_.settings.environment_read_s * static_cast<double>(environments.size()) +
                           loading.wall_s();
@@ -166,7 +166,7 @@ class Measurement {
       for (size_t k = 0; k < seeds; ++k) {
         settings.seed = mix_bits(mix_bits(chart_.settings.seed + 1 + series_count_) + 1000 * i + k);
         std::vector<SampleLight> images = renderer::render_lights(
-            *prepared.lit, *prepared.lights, scene_.camera, 0, prepared.settings_for(settings));
+            {*prepared.lit, *prepared.lights, scene_.camera, 0}, prepared.settings_for(settings));
         for (size_t l = 0; l < images.size(); ++l)
           ours.stacks.back()[l].push_back(std::move(images[l].radiance));
       }

@@ -64,7 +64,7 @@ void render_here(const StressScene& scene, const StressSettings& settings, Stres
   for (int k = 0; k < settings.seeds; ++k) {
     render.seed = mix_bits(settings.seed + static_cast<uint64_t>(k));
     stack.push_back(
-        renderer::render_lights(*built, *lights, scene.camera, 0, render, &statistics)[0].radiance);
+        renderer::render_lights({*built, *lights, scene.camera, 0}, render, &statistics)[0].radiance);
   }
   const double cpu_s = watch.cpu_s();
   for (const Image& image : stack)

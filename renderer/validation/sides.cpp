@@ -95,8 +95,8 @@ ImageStack OurRenderer::render_pass(const CyclesPass& pass, uint64_t seed, std::
     for (const renderer::PixelBox& box :
          pass.boxes.empty() ? std::vector<renderer::PixelBox>{{}} : pass.boxes) {
       settings.crop = box;
-      for (const SampleLight& light :
-           renderer::render_lights(*built_, *lights_, scene_.camera, scene_.turn_rad, settings, &statistics))
+      for (const SampleLight& light : renderer::render_lights(
+               {*built_, *lights_, scene_.camera, scene_.turn_rad}, settings, &statistics))
         for (size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += light.radiance.values[i];
     }
     stack[static_cast<size_t>(k)] = std::move(sum);

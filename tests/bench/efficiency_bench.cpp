@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
     settings.seed = static_cast<uint64_t>(k) + 1;
     std::vector<float>& values = images.emplace_back();
     for (const SampleLight& light :
-         render_lights(*scene, *lights, fit_camera(model.positions_cm), 0, settings, &statistics))
+         render_lights({*scene, *lights, fit_camera(model.positions_cm), 0}, settings, &statistics))
       values.insert(values.end(), light.radiance.values.begin(), light.radiance.values.end());
   }
   const double seconds = watch.cpu_s() / kSeeds;

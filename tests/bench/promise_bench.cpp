@@ -61,13 +61,13 @@ void check_error(const Bench& b) {
   std::vector<ErrorReport> reports(kSeeds);
   const Stopwatch watch;
   for (uint64_t k = 0; k < kSeeds; ++k)
-    images.push_back(render_to_error(*scene, *lights, b.camera(), b.turn_rad, b.settings(1 + k),
+    images.push_back(render_to_error({*scene, *lights, b.camera(), b.turn_rad}, b.settings(1 + k),
                                      {b.error, 1 << 20}, reports[k]));
   const double cpu_s = watch.cpu_s() / kSeeds;
   for (uint64_t k = 0; k < 2; ++k) {
     RenderSettings settings = b.settings(100 + k);
     settings.spp = static_cast<int>(reports[0].spp);
-    truths.push_back(render_lights(*scene, *lights, b.camera(), b.turn_rad, settings));
+    truths.push_back(render_lights({*scene, *lights, b.camera(), b.turn_rad}, settings));
   }
   for (size_t l = 0; l < images[0].size(); ++l) {
     Image truth = truths[0][l].radiance;
@@ -107,10 +107,9 @@ void check_quality(const Bench& b) {
   const std::vector<QualityView> views{{b.camera(), b.turn_rad}};
   constexpr int kJobViews = 100, kImages = 48;  // as a view of a series
   const Stopwatch choosing;
-  PreparedScene prepared[2] = {
-      prepare_scene(b.model, b.environments, b.points, views, 1, b.settings(1), Quality::kReference, 0),
-      prepare_scene(b.model, b.environments, b.points, views, kJobViews, b.settings(1), Quality::kAuto,
-                    b.tolerance)};
+  PreparedScene prepared[2] = {prepare_scene(b.model, b.environments, b.points, views, b.settings(1), {}),
+                               prepare_scene(b.model, b.environments, b.points, views, b.settings(1),
+                                             {Quality::kAuto, b.tolerance, kJobViews})};
   const double choosing_s = choosing.cpu_s();
   PilotStack stacks[2];
   double cpu_s[2] = {};
@@ -120,7 +119,7 @@ void check_quality(const Bench& b) {
       const Stopwatch watch;
       stacks[which].emplace_back();
       for (const SampleLight& light :
-           render_lights(*p.lit, *p.lights, b.camera(), b.turn_rad,
+           render_lights({*p.lit, *p.lights, b.camera(), b.turn_rad},
                          p.settings_for(b.settings(1000 + 2 * k + static_cast<uint64_t>(which)))))
         stacks[which].back().push_back(light.radiance.values);
       cpu_s[which] += watch.cpu_s();

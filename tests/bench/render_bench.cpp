@@ -49,7 +49,7 @@ Workload make_workload(const char* model_folder, const char* environment_file) {
   w.settings.spp = 32;  // so that what is done once an image does not hide the rays
   RenderStatistics statistics;
   statistics.record = &w.rays;
-  render_lights(*w.scene, *w.lights, w.camera, 0, w.settings, &statistics);
+  render_lights({*w.scene, *w.lights, w.camera, 0}, w.settings, &statistics);
   std::printf("%zu triangles, %zu rays recorded\n", model.triangles.size(), w.rays.size());
   return w;
 }
@@ -107,7 +107,7 @@ void our_renderer(benchmark::State& state) {
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   for (auto _ : state)
     benchmark::DoNotOptimize(
-        render_lights(*g_workload.scene, *g_workload.lights, g_workload.camera, 0, g_workload.settings));
+        render_lights({*g_workload.scene, *g_workload.lights, g_workload.camera, 0}, g_workload.settings));
   const double rays = static_cast<double>(g_workload.rays.size()) * static_cast<double>(state.iterations());
   state.counters["rays"] = benchmark::Counter(rays, benchmark::Counter::kIsRate);
 }

@@ -72,7 +72,7 @@ struct Bumps {
     settings.shading = ShadingModel::kV2;  // Lambert
     const auto scene = build_scene(model);
     const auto lights = prepare_lights({environment}, {});
-    Image seen = render_lights(*scene, *lights, camera, 0, settings)[0].radiance;
+    Image seen = render_lights({*scene, *lights, camera, 0}, settings)[0].radiance;
     const Image mask = render_maps(*scene, camera, 0, settings).mask;
     for (size_t i = 0; i < seen.values.size(); ++i)
       if (mask.values[i / 3] > 0) seen.values[i] /= mask.values[i / 3];

@@ -105,9 +105,14 @@ TEST(FaultsPictures, RadiancePicturesThatCannotBeTurnedAreRefused) {
   expect_message(input_error_of([&] { read_image(write_bytes(folder / "z.hdr", odd)); }), {"z.hdr"});
 }
 
-/// 1 inside the data window, at (x, y) of a display window of 20 x 10 that begins at `origin`.
-std::filesystem::path windowed(const std::filesystem::path& file, int x, int y, int width, int height,
-                               OIIO::TypeDesc type, int origin = 0, int tile = 0) {
+struct Window {
+  int x, y, width, height;
+};
+
+/// 1 inside the data window, placed in a display window of 20 x 10 that begins at `origin`.
+std::filesystem::path windowed(const std::filesystem::path& file, const Window& window, OIIO::TypeDesc type,
+                               int origin = 0, int tile = 0) {
+  const auto [x, y, width, height] = window;
   return write_picture_with(file, grey(width, height, 1), type, [=](OIIO::ImageSpec& spec) {
     spec.x = origin + x, spec.y = origin + y;
     spec.full_x = spec.full_y = origin;
@@ -127,7 +132,7 @@ TEST(FaultsPictures, AnExrsDataWindowIsPlacedInItsDisplayWindow) {
       for (const int origin : {0, -7})
         for (const int tile : {0, 16}) {
           SCOPED_TRACE(std::to_string(w.x) + ", " + std::to_string(w.y) + ", tile " + std::to_string(tile));
-          const auto file = windowed(folder / "w.exr", w.x, w.y, w.width, w.height, type, origin, tile);
+          const auto file = windowed(folder / "w.exr", {w.x, w.y, w.width, w.height}, type, origin, tile);
           const Image image = read_image(file);
           ASSERT_EQ(image.width_px, 20);
           ASSERT_EQ(image.height_px, 10);
@@ -140,16 +145,17 @@ TEST(FaultsPictures, AnExrsDataWindowIsPlacedInItsDisplayWindow) {
               ASSERT_EQ(image.pixel(x, y)[1], is_inside ? 1 : 0) << x << ", " << y;
             }
         }
-  EXPECT_EQ(
-      read_environment(windowed(folder / "e.exr", 5, 2, 4, 3, OIIO::TypeDesc::HALF)).radiance.pixel(6, 3)[0],
-      1);
+  EXPECT_EQ(read_environment(windowed(folder / "e.exr", {5, 2, 4, 3}, OIIO::TypeDesc::HALF))
+                .radiance.pixel(6, 3)[0],
+            1);
 }
 
 TEST(FaultsPictures, WindowsThatShowNothingOrAreHugeAreRefused) {
   const TemporaryFolder folder;
-  expect_message(
-      input_error_of([&] { read_image(windowed(folder / "out.exr", 40, 0, 4, 4, OIIO::TypeDesc::HALF)); }),
-      {"out.exr", "outside its display window"});
+  expect_message(input_error_of([&] {
+                   read_image(windowed(folder / "out.exr", {40, 0, 4, 4}, OIIO::TypeDesc::HALF));
+                 }),
+                 {"out.exr", "outside its display window"});
   const auto huge =
       write_picture_with(folder / "huge.exr", grey(4, 4, 1), OIIO::TypeDesc::HALF,
                          [](OIIO::ImageSpec& spec) { spec.full_width = spec.full_height = 30000; });

@@ -235,11 +235,11 @@ TEST(UvLayout, NeighboursNeverShareATexelAndLeaveNone) {
   const auto triangles = triangulate(scan);
   size_t covered = 0;
   for (const ScanTriangle& triangle : triangles) {  // each alone
-    const UvRaster one = rasterise_uvs(scan, {triangle}, mesh_topology(scan), 0, size, size);
+    const UvRaster one = rasterise_uvs(scan, {triangle}, mesh_topology(scan), 0, {size, size});
     covered += one.covered;
   }
   EXPECT_EQ(covered, static_cast<size_t>(size) * size);
-  const UvRaster all = rasterise_uvs(scan, triangles, mesh_topology(scan), 0, size, size);
+  const UvRaster all = rasterise_uvs(scan, triangles, mesh_topology(scan), 0, {size, size});
   EXPECT_EQ(all.covered, static_cast<size_t>(size) * size);
 }
 

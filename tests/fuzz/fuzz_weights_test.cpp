@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "dataset/model/atomic_file.h"
 #include "learner/checkpoint.h"
 #include "learner/safetensors.h"
 #include "tests/fuzz/mutate.h"

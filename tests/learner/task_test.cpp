@@ -55,15 +55,15 @@ TEST(Losses, AreZeroForTheTruthAndFallToIt) {
   const Tensor mask = torch::ones({1, 1, 16, 16});
   for (const Task task : kTasks) {
     const Tensor exact = encoded_maps(task, truth);
-    const Losses zero = losses_of(task, exact, truth, mask, training_lights(1), 1);
+    const Losses zero = losses_of(task, exact, truth, mask, training_lights(1));
     EXPECT_NEAR(zero.total.item<double>(), 0, 1e-4) << name_of(task);
     Tensor near = (exact * 0.9 + 0.05).requires_grad_(true);
-    const Losses losses = losses_of(task, near, truth, mask, training_lights(1), 1);
+    const Losses losses = losses_of(task, near, truth, mask, training_lights(1));
     EXPECT_GT(losses.map.item<double>(), 1e-3) << name_of(task);
     EXPECT_GT(losses.render.item<double>(), 1e-5) << name_of(task);
     losses.total.backward();
     const Tensor stepped = (near - 1e-3 * near.grad() / near.grad().abs().max()).detach();
-    EXPECT_LT(losses_of(task, stepped, truth, mask, training_lights(1), 1).total.item<double>(),
+    EXPECT_LT(losses_of(task, stepped, truth, mask, training_lights(1)).total.item<double>(),
               losses.total.item<double>())
         << name_of(task);
   }
@@ -75,8 +75,7 @@ TEST(Losses, CountTheForegroundOnly) {
   mask.slice(3, 0, 8).fill_(0);
   Tensor output = encoded_maps(Task::kRss, truth).clone();
   output.slice(3, 0, 8).fill_(0.77);
-  EXPECT_NEAR(losses_of(Task::kRss, output, truth, mask, training_lights(1), 1).total.item<double>(), 0,
-              1e-6);
+  EXPECT_NEAR(losses_of(Task::kRss, output, truth, mask, training_lights(1)).total.item<double>(), 0, 1e-6);
 }
 
 /// The map loss of an estimate whose channel `channel` of roughness, S and sss is off by `error` in half of
@@ -87,7 +86,7 @@ double loss_of_error(Task task, int64_t channel, double error, bool balanced) {
   Tensor output = encoded_maps(task, truth).clone();
   output.select(1, output.size(1) - 3 + channel).slice(2, 0, 8) += error;
   const Tensor mask = torch::ones({1, 1, 16, 16}, torch::kDouble);
-  return losses_of(task, output, truth, mask, training_lights(1), 1, {}, balanced).map.item<double>();
+  return losses_of(task, output, truth, mask, training_lights(1), {1, {}, balanced}).map.item<double>();
 }
 
 TEST(Losses, BalancedCountsEachMaterialByItsSpan) {

@@ -181,7 +181,7 @@ struct Fixture {
     RenderSettings s = settings;
     s.seed = seed;
     s.adaptive = adaptive;
-    return render_lights(*scene, *lights, fit_camera(model.positions_cm), 0.3, s, statistics)[0]
+    return render_lights({*scene, *lights, fit_camera(model.positions_cm), 0.3}, s, statistics)[0]
         .radiance.values;
   }
 };
@@ -212,7 +212,7 @@ TEST(Pilots, OfNeighbouringSeedsShareNoImage) {
   for (const uint64_t seed : {6, 7}) {
     RenderSettings settings = fixture.settings;
     settings.seed = seed;
-    const Picture picture(*fixture.scene, *fixture.lights, fit_camera(fixture.model.positions_cm), 0.3,
+    const Picture picture({*fixture.scene, *fixture.lights, fit_camera(fixture.model.positions_cm), 0.3},
                           settings);
     RenderStatistics statistics;
     for (const std::vector<SampleLight>& pilot : render_pilots(picture, 4, 1, statistics, nullptr).images)
@@ -225,7 +225,7 @@ TEST(Pilots, OfNeighbouringSeedsShareNoImage) {
 TEST(PathRange, ClassesHaveLightCandidatesOfTheirOwn) {
   Fixture fixture;
   fixture.settings.guess_shadows = false;
-  const Picture picture(*fixture.scene, *fixture.lights, fit_camera(fixture.model.positions_cm), 0.3,
+  const Picture picture({*fixture.scene, *fixture.lights, fit_camera(fixture.model.positions_cm), 0.3},
                         fixture.settings);
   const std::vector<uint32_t> two = picture.even_budget(2);
   RenderStatistics statistics;
@@ -244,7 +244,7 @@ TEST(PathRange, ClassesHaveLightCandidatesOfTheirOwn) {
 
 TEST(PathRange, WhatOneClassFindsChangesNoOther) {
   const Fixture fixture;
-  const Picture picture(*fixture.scene, *fixture.lights, fit_camera(fixture.model.positions_cm), 0.3,
+  const Picture picture({*fixture.scene, *fixture.lights, fit_camera(fixture.model.positions_cm), 0.3},
                         fixture.settings);
   const int size_px = fixture.settings.size_px;
   const std::vector<uint32_t> all = picture.even_budget(8);

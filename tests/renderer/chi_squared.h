@@ -42,9 +42,14 @@ inline double pooled_chi_squared_p_value(const std::vector<double>& expected,
   return chi_squared_tail(statistic, cells - 1);
 }
 
+struct Rectangle {
+  double x0, x1, y0, y1;
+};
+
 /// Integral of f over a rectangle: midpoints, split in four where a split changes the value.
-inline double integrate(const std::function<double(double, double)>& f, double x0, double x1, double y0,
-                        double y1, double tolerance, int depth) {
+inline double integrate(const std::function<double(double, double)>& f, const Rectangle& over,
+                        double tolerance, int depth) {
+  const auto [x0, x1, y0, y1] = over;
   constexpr int kNodes = 3;
   const auto rule = [&](double a0, double a1, double b0, double b1) {
     double sum = 0;
@@ -58,10 +63,10 @@ inline double integrate(const std::function<double(double, double)>& f, double x
   const double parts =
       rule(x0, xm, y0, ym) + rule(xm, x1, y0, ym) + rule(x0, xm, ym, y1) + rule(xm, x1, ym, y1);
   if (depth == 0 || (std::fabs(whole - parts) < tolerance)) return parts;
-  return integrate(f, x0, xm, y0, ym, tolerance, depth - 1) +
-         integrate(f, xm, x1, y0, ym, tolerance, depth - 1) +
-         integrate(f, x0, xm, ym, y1, tolerance, depth - 1) +
-         integrate(f, xm, x1, ym, y1, tolerance, depth - 1);
+  return integrate(f, {x0, xm, y0, ym}, tolerance, depth - 1) +
+         integrate(f, {xm, x1, y0, ym}, tolerance, depth - 1) +
+         integrate(f, {x0, xm, ym, y1}, tolerance, depth - 1) +
+         integrate(f, {xm, x1, ym, y1}, tolerance, depth - 1);
 }
 
 /// Draws `count` directions and compares a histogram over (cos theta, phi) with the integral of the pdf.
@@ -81,8 +86,9 @@ inline double chi_squared_p_value(const std::function<bool(Random&, Vec3f&)>& sa
   for (int i = 0; i < kTheta; ++i)
     for (int j = 0; j < kPhi; ++j) {
       expected[i * kPhi + j] = integrate([&](double z, double phi) { return pdf(direction(z, phi)); },
-                                         -1 + 2.0 * i / kTheta, -1 + 2.0 * (i + 1) / kTheta,
-                                         2 * M_PI * j / kPhi, 2 * M_PI * (j + 1) / kPhi, 5e-7, kDepth);
+                                         {-1 + 2.0 * i / kTheta, -1 + 2.0 * (i + 1) / kTheta,
+                                          2 * M_PI * j / kPhi, 2 * M_PI * (j + 1) / kPhi},
+                                         5e-7, kDepth);
       total += expected[i * kPhi + j];
     }
   if (integral) *integral = total;

@@ -33,9 +33,9 @@ TEST(CyclesScene, BoxesAreThosePixelsOfTheWholeImage) {
   RenderSettings settings;
   settings.size_px = kSize;
   settings.spp = 4;
-  const Image our_whole = render_lights(*built, *lights, scene.camera, 0, settings)[0].radiance;
+  const Image our_whole = render_lights({*built, *lights, scene.camera, 0}, settings)[0].radiance;
   settings.crop = boxes[0];
-  const Image our_part = render_lights(*built, *lights, scene.camera, 0, settings)[0].radiance;
+  const Image our_part = render_lights({*built, *lights, scene.camera, 0}, settings)[0].radiance;
   const auto inside = [](const PixelBox& b, int x, int y) {
     return x >= b.x0 && x < b.x1 && y >= b.y0 && y < b.y1;
   };

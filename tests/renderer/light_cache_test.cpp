@@ -117,7 +117,7 @@ Pictures render_both(const Model& model, const std::vector<Environment>& environ
       settings.visibility = stack == &pictures.cache ? visibility : nullptr;
       stack->emplace_back();
       for (const SampleLight& light :
-           render_lights(*scene, *lights, fit_camera(model.positions_cm), 0.3, settings))
+           render_lights({*scene, *lights, fit_camera(model.positions_cm), 0.3}, settings))
         stack->back().push_back(light.radiance.values);
     }
   return pictures;
@@ -248,7 +248,7 @@ TEST(LightCache, AutoKeepsRaysWhereShadowsAreSmallerThanTriangles) {
   settings.spp = 256;
   QualityView view{fit_camera(model.positions_cm), 0};
   const auto prepare = [&](const Model& m) {
-    return prepare_scene(m, {sky({0.2f, 0.2f, 0.2f}, 300)}, {}, {view}, 60, settings, Quality::kAuto, 0.02);
+    return prepare_scene(m, {sky({0.2f, 0.2f, 0.2f}, 300)}, {}, {view}, settings, {Quality::kAuto, 0.02, 60});
   };
   const PreparedScene coarse = prepare(model);
   EXPECT_TRUE(coarse.needs.shadow_rays);
@@ -261,7 +261,7 @@ TEST(LightCache, AutoKeepsRaysWhereMirrorsShowMirrors) {
   settings.spp = 256;
   const auto keeps_rays = [&](const Model& model) {
     const QualityView view{fit_camera(model.positions_cm), 0};
-    return prepare_scene(model, {sky({1, 1, 1})}, {}, {view}, 400, settings, Quality::kAuto, 0.04)
+    return prepare_scene(model, {sky({1, 1, 1})}, {}, {view}, settings, {Quality::kAuto, 0.04, 400})
         .needs.shadow_rays;
   };
   const TestMaterial polished{{0.5f, 0.5f, 0.5f}, 0.15f, 0.2f, 0};

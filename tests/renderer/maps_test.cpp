@@ -159,12 +159,15 @@ class Rasteriser {
         double sum = 0;
         for (int k = 0; k < 3; ++k) sum += w[k] *= q[k][2];
         for (double& weight : w) weight /= sum;
-        layers_[static_cast<size_t>(j) * n_points + i].push_back(shade(model, t, p, n, w, 1 / sum, camera));
+        layers_[static_cast<size_t>(j) * n_points + i].push_back(
+            shade(model, t, p, n, {w[0], w[1], w[2], 1 / sum}, camera));
       }
   }
 
   static Layer shade(const Model& model, const ModelTriangle& t, const Vec3d p[3], const Vec3d n[3],
-                     const double w[3], double depth, const Camera& camera) {
+                     const std::array<double, 4>& weights_and_depth, const Camera& camera) {
+    const auto& [w0, w1, w2, depth] = weights_and_depth;
+    const double w[3] = {w0, w1, w2};
     double u = 0, v = 0;
     Vec3d normal{}, place{};
     for (int k = 0; k < 3; ++k) {

@@ -54,8 +54,8 @@ TEST(PathTracer, FurnaceOnAPlaneEqualsCycles) {
   RenderSettings settings;
   settings.size_px = 64;
   settings.spp = 1024;
-  const auto images =
-      render_lights(*scene, *prepare_lights({constant_environment(1)}, {}), narrow_camera(500), 0, settings);
+  const auto images = render_lights(
+      {*scene, *prepare_lights({constant_environment(1)}, {}), narrow_camera(500), 0}, settings);
   EXPECT_NEAR(mean_of(images[0].radiance, 0), 0.8419, 5e-4);
   EXPECT_NEAR(mean_of(images[0].radiance, 2), 0.0370, 5e-4);
 }
@@ -70,8 +70,9 @@ TEST(PathTracer, PointLightOnADiffusePlaneIsAnalytic) {
   settings.size_px = 16;
   settings.spp = 4;
   const float height_cm = 200, intensity = 3;
-  const auto images = render_lights(*scene, *prepare_lights({}, {{"lamp", {0, 500, height_cm}, intensity}}),
-                                    narrow_camera(500), 0, settings);
+  const auto images = render_lights(
+      {*scene, *prepare_lights({}, {{"lamp", {0, 500, height_cm}, intensity}}), narrow_camera(500), 0},
+      settings);
   EXPECT_EQ(images[0].name, "lamp");
   // 1 cm around the foot of a lamp at 2 m: the cosine and distance change by 1e-4 at most.
   EXPECT_NEAR(mean_of(images[0].radiance, 1), 0.5 / M_PI * intensity / 4, 2e-4);
@@ -87,7 +88,7 @@ TEST(PathTracer, ShadesByTheModelsOwnNormals) {
   settings.spp = 4;
   const auto lamp = prepare_lights({}, {{"lamp", {0, 500, 200}, 3}});
   const auto picture = [&] {
-    return render_lights(*build_scene(plane), *lamp, narrow_camera(500), 0, settings)[0].radiance;
+    return render_lights({*build_scene(plane), *lamp, narrow_camera(500), 0}, settings)[0].radiance;
   };
   const Image smooth = picture();
   plane.normals = smooth_normals(plane);
@@ -111,11 +112,11 @@ TEST(PathTracer, EachLightOfOnePassEqualsThatLightAlone) {
   settings.spp = 1500;
   const std::vector<Environment> environments = {constant_environment(0.7f), sunny_environment(800)};
   const std::vector<PointLight> points = {{"lamp", {100, 200, 150}, 2}};
-  const auto together = render_lights(*scene, *prepare_lights(environments, points), camera, 0.3, settings);
+  const auto together = render_lights({*scene, *prepare_lights(environments, points), camera, 0.3}, settings);
   settings.seed = 99;
-  const auto alone0 = render_lights(*scene, *prepare_lights({environments[0]}, {}), camera, 0.3, settings);
-  const auto alone1 = render_lights(*scene, *prepare_lights({environments[1]}, {}), camera, 0.3, settings);
-  const auto alone2 = render_lights(*scene, *prepare_lights({}, points), camera, 0.3, settings);
+  const auto alone0 = render_lights({*scene, *prepare_lights({environments[0]}, {}), camera, 0.3}, settings);
+  const auto alone1 = render_lights({*scene, *prepare_lights({environments[1]}, {}), camera, 0.3}, settings);
+  const auto alone2 = render_lights({*scene, *prepare_lights({}, points), camera, 0.3}, settings);
   ASSERT_EQ(together.size(), 3u);
   EXPECT_NEAR(mean_of(together[0].radiance, 1) / mean_of(alone0[0].radiance, 1), 1, 5e-3);
   EXPECT_NEAR(mean_of(together[1].radiance, 1) / mean_of(alone1[0].radiance, 1), 1, 1e-2);
@@ -145,7 +146,7 @@ TEST(PathTracer, EndingAtRoughSurfacesIsUnbiased) {
           settings.seed = 1 + 2 * k + ends;
           settings.ends_at_rough_surfaces = ends;
           means[ends] = mean_of(
-              render_lights(*scene, *lights, fit_camera(ball.positions_cm), 0, settings)[0].radiance, 0);
+              render_lights({*scene, *lights, fit_camera(ball.positions_cm), 0}, settings)[0].radiance, 0);
         }
         const double difference = means[1] - means[0];
         sum += difference, squares += difference * difference, mean += means[0] / kSeeds;
@@ -164,8 +165,8 @@ TEST(PathTracer, TwiceTheLightIsTwiceTheImageBitForBit) {
   settings.spp = 32;
   Environment once = sunny_environment(100), twice = once;
   for (float& v : twice.radiance.values) v *= 2;
-  const auto a = render_lights(*scene, *prepare_lights({once}, {}), camera, 0, settings);
-  const auto b = render_lights(*scene, *prepare_lights({twice}, {}), camera, 0, settings);
+  const auto a = render_lights({*scene, *prepare_lights({once}, {}), camera, 0}, settings);
+  const auto b = render_lights({*scene, *prepare_lights({twice}, {}), camera, 0}, settings);
   for (size_t i = 0; i < a[0].radiance.values.size(); ++i)
     ASSERT_EQ(2 * a[0].radiance.values[i], b[0].radiance.values[i]);
 }
@@ -179,8 +180,8 @@ TEST(PathTracer, TurningTheSubjectIsTurningTheLightBack) {
   settings.size_px = 16;
   settings.spp = 2000;
   const Environment environment = sunny_environment(300);
-  const auto still = render_lights(*scene, *prepare_lights({environment}, {}), camera, 0, settings);
-  const auto turned = render_lights(*scene, *prepare_lights({environment}, {}), camera, M_PI / 2, settings);
+  const auto still = render_lights({*scene, *prepare_lights({environment}, {}), camera, 0}, settings);
+  const auto turned = render_lights({*scene, *prepare_lights({environment}, {}), camera, M_PI / 2}, settings);
   EXPECT_NEAR(mean_of(still[0].radiance, 0) / mean_of(turned[0].radiance, 0), 1, 1e-2);
 }
 
@@ -196,7 +197,7 @@ TEST(PathTracer, LightFromTheSideLightsThatSide) {
   RenderSettings settings;
   settings.size_px = 32;
   settings.spp = 64;
-  const auto images = render_lights(*scene, *prepare_lights({environment}, {}), camera, 0, settings);
+  const auto images = render_lights({*scene, *prepare_lights({environment}, {}), camera, 0}, settings);
   double left = 0, right = 0;
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x) (x < 16 ? left : right) += images[0].radiance.pixel(x, y)[1];
@@ -214,7 +215,7 @@ void expect_same_bits_for_any_thread_count(const Model& model) {
   for (const size_t threads : {1, 2, 8, 8}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     const auto scene = build_scene(model);
-    const auto images = render_lights(*scene, *lights, camera, 0.7, settings);
+    const auto images = render_lights({*scene, *lights, camera, 0.7}, settings);
     results.push_back(images[0].radiance.values);
     results.back().insert(results.back().end(), images[1].radiance.values.begin(),
                           images[1].radiance.values.end());
@@ -249,7 +250,7 @@ TEST(PathTracer, ExactCopiesOfFacesThrowNoShadowOnEachOther) {
   settings.spp = 16;
   const auto lights = prepare_lights({sunny_environment(500)}, {{"lamp", {50, 150, 100}, 1}});
   const auto render = [&](const Model& model) {
-    return render_lights(*build_scene(model), *lights, fit_camera(once.positions_cm), 0.7, settings);
+    return render_lights({*build_scene(model), *lights, fit_camera(once.positions_cm), 0.7}, settings);
   };
   const auto of_once = render(once), of_twice = render(twice);
   for (size_t l = 0; l < of_once.size(); ++l)
@@ -277,16 +278,16 @@ TEST(PathTracer, HalfTransparentSheetHalvesTheLight) {
   settings.size_px = 16;
   settings.spp = 64;
   const auto lights = prepare_lights({}, {{"lamp", {0, 500, 200}, 3}});
-  const auto open = render_lights(*build_scene(plane_model(1000, constant_set(material))), *lights,
-                                  narrow_camera(500), 0, settings);
-  const auto covered = render_lights(*build_scene(model), *lights, narrow_camera(500), 0, settings);
+  const auto open = render_lights(
+      {*build_scene(plane_model(1000, constant_set(material))), *lights, narrow_camera(500), 0}, settings);
+  const auto covered = render_lights({*build_scene(model), *lights, narrow_camera(500), 0}, settings);
   EXPECT_NEAR(mean_of(covered[0].radiance, 0) / mean_of(open[0].radiance, 0), 0.75, 1e-3);
   // The camera (at 1 m) stands between; put it behind the sheet: what it sees is 3/4 of that again.
   Camera behind = narrow_camera(500);
   behind.distance_cm = 400;
   behind.half_width = 0.0025f;
   settings.spp = 4000;
-  const auto seen = render_lights(*build_scene(model), *lights, behind, 0, settings);
+  const auto seen = render_lights({*build_scene(model), *lights, behind, 0}, settings);
   EXPECT_NEAR(mean_of(seen[0].radiance, 0) / mean_of(open[0].radiance, 0), 0.75 * 0.75, 5e-3);
 }
 
@@ -298,7 +299,7 @@ TEST(PathTracer, ExtremeSunLeavesNoNan) {
     settings.size_px = 16;
     settings.spp = 16;
     RenderStatistics statistics;
-    const auto images = render_lights(*scene, *prepare_lights({sunny_environment(sun)}, {}), camera, 0,
+    const auto images = render_lights({*scene, *prepare_lights({sunny_environment(sun)}, {}), camera, 0},
                                       settings, &statistics);
     for (const float v : images[0].radiance.values) ASSERT_TRUE(std::isfinite(v)) << sun;
     EXPECT_EQ(statistics.nonfinite, 0u) << sun;

@@ -111,12 +111,11 @@ struct Case {
   }
   std::vector<QualityView> views() const { return {{fit_camera(model.positions_cm), 0}}; }
   PreparedScene prepare(double tolerance) const {
-    return prepare_scene(model, environments, {}, views(), 50, settings, Quality::kAuto, tolerance);
+    return prepare_scene(model, environments, {}, views(), settings, {Quality::kAuto, tolerance, 50});
   }
   /// What the relative change of the image is at least, from other images than the choice was made by (98 %).
   double real_change_at_least(const PreparedScene& prepared) const {
-    const PreparedScene all =
-        prepare_scene(model, environments, {}, views(), 1, settings, Quality::kReference, 0);
+    const PreparedScene all = prepare_scene(model, environments, {}, views(), settings, {});
     RenderSettings s = settings;
     s.spp = 48;
     PilotStack stacks[2];
@@ -124,7 +123,7 @@ struct Case {
       for (const PreparedScene* p : {&all, &prepared}) {
         s.seed = 1000 + 2 * k + (p == &all ? 0 : 1);
         stacks[p == &all ? 0 : 1].push_back(
-            {render_lights(*p->lit, *p->lights, views()[0].camera, 0, p->settings_for(s))[0]
+            {render_lights({*p->lit, *p->lights, views()[0].camera, 0}, p->settings_for(s))[0]
                  .radiance.values});
       }
     return std::sqrt(std::max(0.0, squared_difference(stacks[0], 0, stacks[1], 0, 0.02).low));
@@ -185,8 +184,8 @@ TEST(Quality, SubsurfaceByWhatItShows) {
 
 TEST(Quality, SmallJobsAreRenderedAsTheyAre) {
   const Case ball(sphere_model(20, 32, constant_set({}, 256)), environment_of(0, 256));
-  const PreparedScene prepared =
-      prepare_scene(ball.model, ball.environments, {}, ball.views(), 1, ball.settings, Quality::kAuto, 0.02);
+  const PreparedScene prepared = prepare_scene(ball.model, ball.environments, {}, ball.views(), ball.settings,
+                                               {Quality::kAuto, 0.02, 1});
   EXPECT_TRUE(prepared.tried.empty()) << "pilots would cost more than they save";
   EXPECT_EQ(prepared.scene, prepared.lit);
 }

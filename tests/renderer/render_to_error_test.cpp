@@ -47,14 +47,14 @@ struct Fixture {
                                   RenderStatistics* statistics = nullptr) const {
     RenderSettings s = settings;
     s.seed = seed;
-    return render_to_error(*scene, *lights, camera(), 0.3, s, goal, report, statistics);
+    return render_to_error({*scene, *lights, camera(), 0.3}, s, goal, report, {statistics});
   }
   std::vector<SampleLight> truth(int spp) const {
     RenderSettings s = settings;
     s.seed = 987654321;
     s.adaptive = false;
     s.spp = spp;
-    return render_lights(*scene, *lights, camera(), 0.3, s);
+    return render_lights({*scene, *lights, camera(), 0.3}, s);
   }
 };
 
@@ -159,7 +159,7 @@ TEST(RenderToError, NothingToSeeIsDone) {
   away.center_y_cm += 1e4f;
   ErrorReport report;
   const auto images =
-      render_to_error(*fixture.scene, *fixture.lights, away, 0, fixture.settings, {0.01, 64}, report);
+      render_to_error({*fixture.scene, *fixture.lights, away, 0}, fixture.settings, {0.01, 64}, report);
   EXPECT_TRUE(report.met);
   EXPECT_EQ(report.worst(), nullptr);
   EXPECT_EQ(mean_of(images.at(1).radiance), 0);

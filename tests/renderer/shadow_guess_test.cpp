@@ -92,7 +92,7 @@ Stacks render_both(const Model& model, RenderSettings settings, int images, floa
       RenderStatistics statistics;
       (guesses ? stacks.guessed : stacks.asked)
           .push_back(
-              render_lights(*scene, *lights, fit_camera(model.positions_cm), 0, settings, &statistics)[0]
+              render_lights({*scene, *lights, fit_camera(model.positions_cm), 0}, settings, &statistics)[0]
                   .radiance.values);
       (guesses ? stacks.guessed_rays : stacks.asked_rays) += static_cast<double>(statistics.shadow_rays);
     }
@@ -198,9 +198,9 @@ TEST(ShadowGuess, ACropIsThosePixels) {
   const auto lights = prepare_lights({sunny(300)}, {});
   RenderSettings settings = small();
   const Camera camera = fit_camera(model.positions_cm);
-  const Image whole = render_lights(*scene, *lights, camera, 0, settings)[0].radiance;
+  const Image whole = render_lights({*scene, *lights, camera, 0}, settings)[0].radiance;
   settings.crop = {9, 6, 23, 19};
-  const Image part = render_lights(*scene, *lights, camera, 0, settings)[0].radiance;
+  const Image part = render_lights({*scene, *lights, camera, 0}, settings)[0].radiance;
   for (int y = 0; y < 32; ++y)
     for (int x = 0; x < 32; ++x)
       for (int c = 0; c < 3; ++c)

@@ -88,7 +88,7 @@ TEST(Subsurface, FurnaceOnAHalfSpace) {
   settings.spp = 64;
   const auto furnace = [&](Vec3f albedo) {
     const auto scene = build_scene(plane_model(1000, constant_set(subsurface_material(albedo))));
-    return render_lights(*scene, *prepare_lights({white_environment()}, {}), narrow_camera(500), 0,
+    return render_lights({*scene, *prepare_lights({white_environment()}, {}), narrow_camera(500), 0},
                          settings)[0]
         .radiance;
   };
@@ -257,10 +257,10 @@ TEST(Subsurface, SwitchedOffItIsDiffuse) {
   settings.spp = 16;
   settings.subsurface = false;
   const auto lights = prepare_lights({white_environment()}, {});
-  const auto a = render_lights(*build_scene(plane_model(1000, constant_set(with))), *lights,
-                               narrow_camera(500), 0, settings);
-  const auto b = render_lights(*build_scene(plane_model(1000, constant_set(without))), *lights,
-                               narrow_camera(500), 0, settings);
+  const auto a = render_lights(
+      {*build_scene(plane_model(1000, constant_set(with))), *lights, narrow_camera(500), 0}, settings);
+  const auto b = render_lights(
+      {*build_scene(plane_model(1000, constant_set(without))), *lights, narrow_camera(500), 0}, settings);
   EXPECT_EQ(a[0].radiance.values, b[0].radiance.values);
 }
 
