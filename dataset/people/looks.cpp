@@ -6,7 +6,7 @@
 
 #include "dataset/model/colour.h"
 #include "dataset/model/mesh_topology.h"
-#include "dataset/people/noise.h"
+#include "dataset/model/noise.h"
 
 namespace ohb::people {
 namespace {

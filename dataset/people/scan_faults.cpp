@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dataset/people/noise.h"
+#include "dataset/model/noise.h"
+#include "dataset/people/random.h"
 #include "dataset/people/visible_faces.h"
 
 namespace ohb::people {

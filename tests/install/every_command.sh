@@ -33,6 +33,9 @@ openhumanbrdf inspect "$human"
 openhumanbrdf label "$human" --automatic -o regions
 openhumanbrdf bake "$human" --regions regions --size 256 -o model
 openhumanbrdf render model --environment "$sky" --views 2 --size 64 --spp 4 --subsurface diffuse -o samples
+openhumanbrdf environments synthesise --count 3 --width 64 -o lights
+openhumanbrdf environments import "$sky" --licence CC0-1.0 -o lights
+openhumanbrdf environments list lights
 finds chart stress --case roughness --no-cycles --size 8 --spp 2 --seeds 2 -o stress
 finds chart bake-stress --case "flipped UVs" -o bake_stress
 finds chart bake "$human" --regions regions --environment "$sky" --map-sizes 64 --size 32 --spp 2 --seeds 2 -o chart_bake

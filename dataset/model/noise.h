@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dataset/model/sampling.h"
 #include "dataset/model/vec.h"
-#include "dataset/people/random.h"
 
-namespace ohb::people {
+namespace ohb {
 
 /// 0 below `low`, 1 above `high`, smooth in between.
 inline float smooth(float low, float high, float x) {
@@ -20,7 +20,7 @@ inline uint64_t cell_key(int x, int y, int z, uint64_t which) {
   const uint64_t key = static_cast<uint64_t>(static_cast<uint32_t>(x)) * 73856093u ^
                        static_cast<uint64_t>(static_cast<uint32_t>(y)) * 19349663u ^
                        static_cast<uint64_t>(static_cast<uint32_t>(z)) * 83492791u;
-  return mixed(key + which * 0x51ed27u);
+  return mix_bits(key + which * 0x51ed27u + 0x9e3779b97f4a7c15ull);
 }
 
 /// The same as a number in [0, 1).
@@ -41,4 +41,4 @@ inline float value_noise(Vec3f p, uint64_t which) {
   return sum;
 }
 
-}  // namespace ohb::people
+}  // namespace ohb
