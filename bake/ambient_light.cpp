@@ -4,23 +4,20 @@
 
 #include <cmath>
 #include <limits>
-#include <new>
-#include <stdexcept>
 
 #include "dataset/model/sampling.h"
-#include "dataset/surface/embree_compat.h"
+#include "dataset/surface/triangle_tree.h"
 
 namespace ohb::bake {
 namespace {
 
 constexpr float kStartShare = 1e-4f;  // of the mesh's diagonal: how far above the surface rays start
 
-/// Releases Embree's handles.
+/// The triangles that stand in the way.
 struct Occluders {
   std::vector<Vec3f> positions;  // one more than there are: Embree reads 16 bytes at the last
   std::vector<uint32_t> indices, triangle_of;
-  RTCDevice device = nullptr;
-  RTCScene bvh = nullptr;
+  surface::TriangleTree tree;
 
   Occluders(const Model& mesh, const std::vector<uint8_t>& occludes) : positions(mesh.positions_cm) {
     positions.emplace_back();
@@ -29,26 +26,8 @@ struct Occluders {
       indices.insert(indices.end(), mesh.triangles[t].position, mesh.triangles[t].position + 3);
       triangle_of.push_back(t);
     }
-    device = rtcNewDevice(nullptr);
-    if (!device) throw std::bad_alloc();  // the only thing that it can lack here
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(), 0,
-                               sizeof(Vec3f), positions.size() - 1);
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0,
-                               3 * sizeof(uint32_t), triangle_of.size());
-    rtcCommitGeometry(geometry);
-    bvh = rtcNewScene(device);
-    rtcSetSceneFlags(bvh, RTC_SCENE_FLAG_ROBUST);
-    rtcAttachGeometry(bvh, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(bvh);
+    tree = surface::TriangleTree(positions, indices.data(), triangle_of.size(), {true, false});
   }
-  ~Occluders() {
-    rtcReleaseScene(bvh);
-    rtcReleaseDevice(device);
-  }
-  Occluders(const Occluders&) = delete;
-  Occluders& operator=(const Occluders&) = delete;
 };
 
 float fraction(double x) {
@@ -81,7 +60,7 @@ Vec3f irradiance_at(const AmbientQuery& query, uint32_t p, Vec3f normal) {
     r.ray.tfar = std::numeric_limits<float>::infinity();
     r.ray.mask = 0xffffffffu;
     r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    surface::intersect_one(occluders.bvh, r);
+    if (occluders.tree.scene()) surface::intersect_one(occluders.tree.scene(), r);
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
       sum += Vec3f{1, 1, 1};
       continue;

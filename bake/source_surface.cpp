@@ -16,10 +16,6 @@
 namespace ohb::bake {
 namespace {
 
-void throw_embree_error(void*, RTCError code, const char* message) {
-  throw std::runtime_error("Embree error " + std::to_string(code) + ": " + message);
-}
-
 bool has_picture(const ScanMaterial& material) {
   return !material.diffuse.empty() || !material.alpha.empty() || !material.normal.empty();
 }
@@ -113,12 +109,13 @@ SourceSurface::SourceSurface(const Scan& scan, double unit_cm, Vec3f shift_cm,
   if (!scan.corner_colours.empty())
     for (const ScanTriangle& triangle : triangulate(scan))
       for (uint32_t corner : triangle.corner) colours_.push_back(scan.corner_colours[corner]);
-  run_side_by_side({[&] { read_materials(scan, mesh, green); },
-                    [&] {
-                      normals = smooth_normals(mesh);
-                      set_triangles(mesh, normals);
-                      build_bvh();
-                    }});
+  run_side_by_side(
+      {[&] { read_materials(scan, mesh, green); },
+       [&] {
+         normals = smooth_normals(mesh);
+         set_triangles(mesh, normals);
+         tree_ = surface::TriangleTree(positions_, indices_.data(), triangles_.size(), {true, false});
+       }});
   if (std::any_of(materials_.begin(), materials_.end(),
                   [](const SourceMaterial& material) { return !material.normal.empty(); }))
     tangents_ = mikktspace_tangents(mesh, normals);
@@ -140,11 +137,6 @@ void SourceSurface::set_triangles(const Model& mesh, const std::vector<Vec3f>& n
   });
 }
 
-SourceSurface::~SourceSurface() {
-  if (bvh_) rtcReleaseScene(bvh_);
-  if (device_) rtcReleaseDevice(device_);
-}
-
 void SourceSurface::read_materials(const Scan& scan, const Model& mesh,
                                    const std::vector<surface::GreenChannel>& green) {
   const auto texture = [&](uint16_t m, Image picture) {
@@ -164,24 +156,6 @@ void SourceSurface::read_materials(const Scan& scan, const Model& mesh,
     const bool is_down = !green.empty() && green[m] == surface::GreenChannel::kDown;
     materials_[m].normal = texture(m, surface::read_normal_picture(from.normal, is_down, zero_length));
   }
-}
-
-void SourceSurface::build_bvh() {
-  device_ = rtcNewDevice(nullptr);
-  if (!device_) throw std::bad_alloc();  // the only thing that it can lack here
-  rtcSetDeviceErrorFunction(device_, throw_embree_error, nullptr);
-  RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions_.data(), 0,
-                             sizeof(Vec3f), positions_.size() - 1);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices_.data(), 0,
-                             3 * sizeof(uint32_t), triangles_.size());
-  rtcCommitGeometry(geometry);
-  bvh_ = rtcNewScene(device_);
-  rtcSetSceneFlags(bvh_, RTC_SCENE_FLAG_ROBUST);  // no ray slips between two triangles
-  rtcSetSceneBuildQuality(bvh_, RTC_BUILD_QUALITY_MEDIUM);
-  rtcAttachGeometry(bvh_, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(bvh_);
 }
 
 Vec3f SourceSurface::area_normal(uint32_t triangle) const {

@@ -9,8 +9,8 @@
 #include "dataset/model/model.h"
 #include "dataset/model/scan.h"
 #include "dataset/model/tangent_frame.h"
-#include "dataset/surface/embree_compat.h"
 #include "dataset/surface/picture.h"
+#include "dataset/surface/triangle_tree.h"
 
 namespace ohb::bake {
 
@@ -40,12 +40,11 @@ class SourceSurface {
   /// and without UVs.
   SourceSurface(const Scan& scan, double unit_cm, Vec3f shift_cm,
                 const std::vector<surface::GreenChannel>& green);
-  ~SourceSurface();
   SourceSurface(const SourceSurface&) = delete;
   SourceSurface& operator=(const SourceSurface&) = delete;
 
   size_t triangle_count() const { return triangles_.size(); }
-  RTCScene bvh() const { return bvh_; }
+  RTCScene bvh() const { return tree_.scene(); }
   const Bounds& bounds() const { return bounds_; }
   bool has_alpha() const { return has_alpha_; }
   /// The longest edge of its pictures in pixels; 0 without any.
@@ -72,7 +71,6 @@ class SourceSurface {
  private:
   void read_materials(const Scan& scan, const Model& mesh, const std::vector<surface::GreenChannel>& green);
   void set_triangles(const Model& mesh, const std::vector<Vec3f>& normals);
-  void build_bvh();
 
   std::vector<Vec3f> positions_;   // one more than there are: Embree reads 16 bytes at the last
   std::vector<uint32_t> indices_;  // 3 a triangle
@@ -83,8 +81,7 @@ class SourceSurface {
   Bounds bounds_;
   bool has_alpha_ = false;
   int picture_edge_px_ = 0;
-  RTCDevice device_ = nullptr;
-  RTCScene bvh_ = nullptr;
+  surface::TriangleTree tree_;
 };
 
 }  // namespace ohb::bake

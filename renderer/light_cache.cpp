@@ -243,6 +243,34 @@ VisibilityCache::VisibilityCache(const Scene& scene) {
   });
 }
 
+namespace {
+
+/// What a point light makes on the side of a vertex that it shines on.
+struct SideIrradiance {
+  float value = 0;
+  bool is_behind = false;
+};
+
+SideIrradiance irradiance_of(const PointLight& light, const Scene& scene, uint32_t vertex, Vec3f n,
+                             double turn_rad) {
+  const Vec3f to_light = turn_about_y(light.position_cm, -turn_rad) - scene.positions[vertex];
+  const float distance_cm = length(to_light);
+  if (!(distance_cm > 0)) return {};
+  const Vec3f wi = to_light / distance_cm;
+  const float distance_m = 0.01f * distance_cm, cosine = dot(n, wi);
+  const float irradiance = std::fabs(cosine) * light.intensity / (distance_m * distance_m);
+  float share;
+  RayCounts counts;
+  const WaitingLight waiting{{ray_origin(scene, scene.positions[vertex], n, wi), wi}, distance_cm, {}, 0};
+  if (scene.cutout)
+    transmittances<true>(scene, &waiting, 1, counts, &share);
+  else
+    transmittances<false>(scene, &waiting, 1, counts, &share);
+  return {share * irradiance, cosine < 0};
+}
+
+}  // namespace
+
 std::vector<Vec3f> LightCache::direct(const Scene& scene, const LightSet& lights, double turn_rad) const {
   const size_t count = visibility_.free.size();
   std::vector<CellFlux> fluxes;
@@ -267,26 +295,39 @@ std::vector<Vec3f> LightCache::direct(const Scene& scene, const LightSet& lights
         result[index(v, side != 0, l)] = {stdx::reduce(sums[side][0]), stdx::reduce(sums[side][1]),
                                           stdx::reduce(sums[side][2])};
     }
-    RayCounts counts;
     for (size_t i = 0; i < lights.points.size(); ++i) {
-      const PointLight& light = lights.points[i];
-      const Vec3f to_light = turn_about_y(light.position_cm, -turn_rad) - scene.positions[v];
-      const float distance_cm = length(to_light);
-      if (!(distance_cm > 0)) continue;
-      const Vec3f wi = to_light / distance_cm;
-      const float distance_m = 0.01f * distance_cm, cosine = dot(n, wi);
-      const float irradiance = std::fabs(cosine) * light.intensity / (distance_m * distance_m);
-      float share;
-      const WaitingLight waiting{{ray_origin(scene, scene.positions[v], n, wi), wi}, distance_cm, {}, 0};
-      if (scene.cutout)
-        transmittances<true>(scene, &waiting, 1, counts, &share);
-      else
-        transmittances<false>(scene, &waiting, 1, counts, &share);
-      const float arrives = share * irradiance;
-      result[index(v, cosine < 0, fluxes.size() + i)] = {arrives, arrives, arrives};
+      const SideIrradiance found = irradiance_of(lights.points[i], scene, v, n, turn_rad);
+      result[index(v, found.is_behind, fluxes.size() + i)] = {found.value, found.value, found.value};
     }
   });
   return result;
+}
+
+void LightCache::gather() {
+  std::vector<float> angles;
+  std::vector<Vec3f> centres;
+  for (int k = 0; k < VisibilityCache::kMet; ++k) {
+    const int cell = k * VisibilityCache::kMetStride;
+    angles.push_back(kInvPi * VisibilityCache::kMetStride * DirectionCells::solid_angle(cell));
+    centres.push_back(DirectionCells::direction(cell, 0.5f, 0.5f));
+  }
+  each_vertex(visibility_.free.size(), [&](uint32_t v) {
+    std::vector<Float4> of_vertex(2 * lights_, 0);
+    float* const blocked = &blocked_[2 * size_t{v}];
+    blocked[0] = blocked[1] = 0;
+    for (size_t k = 0; k < VisibilityCache::kMet; ++k) {
+      const uint32_t met = visibility_.met[v][k];
+      if (met == VisibilityCache::kNothing) continue;
+      const float cosine = dot(visibility_.normal[v], centres[k]);
+      const size_t side = cosine < 0;
+      const float weight = angles[k] * std::fabs(cosine);
+      blocked[side] += weight;
+      for (size_t l = 0; l < lights_; ++l)
+        of_vertex[side * lights_ + l] += weight * leaving_[size_t{met} * lights_ + l];
+    }
+    for (size_t i = 0; i < of_vertex.size(); ++i)
+      from_surfaces_[index(v, false, 0) + i] = {of_vertex[i][0], of_vertex[i][1], of_vertex[i][2]};
+  });
 }
 
 LightCache::LightCache(const VisibilityCache& visibility, const Scene& scene, const LightSet& lights,
@@ -302,33 +343,10 @@ LightCache::LightCache(const VisibilityCache& visibility, const Scene& scene, co
         leaving_[i] = padded(visibility.reflectance[v] * (kInvPi * direct_light[i] + from_surfaces_[i]));
     });
   };
-  std::vector<float> angles;
-  std::vector<Vec3f> centres;
-  for (int k = 0; k < VisibilityCache::kMet; ++k) {
-    const int cell = k * VisibilityCache::kMetStride;
-    angles.push_back(kInvPi * VisibilityCache::kMetStride * DirectionCells::solid_angle(cell));
-    centres.push_back(DirectionCells::direction(cell, 0.5f, 0.5f));
-  }
   std::vector<Vec3f> sums(lights_), step(lights_);  // of all vertices; and what the last bounce added
   for (int bounce = 1; bounce <= std::min(max_bounces, kBounces); ++bounce) {
     reflect();
-    each_vertex(count, [&](uint32_t v) {
-      std::vector<Float4> of_vertex(2 * lights_, 0);
-      float* const blocked = &blocked_[2 * size_t{v}];
-      blocked[0] = blocked[1] = 0;
-      for (size_t k = 0; k < VisibilityCache::kMet; ++k) {
-        const uint32_t met = visibility.met[v][k];
-        if (met == VisibilityCache::kNothing) continue;
-        const float cosine = dot(visibility.normal[v], centres[k]);
-        const size_t side = cosine < 0;
-        const float weight = angles[k] * std::fabs(cosine);
-        blocked[side] += weight;
-        for (size_t l = 0; l < lights_; ++l)
-          of_vertex[side * lights_ + l] += weight * leaving_[size_t{met} * lights_ + l];
-      }
-      for (size_t i = 0; i < of_vertex.size(); ++i)
-        from_surfaces_[index(v, false, 0) + i] = {of_vertex[i][0], of_vertex[i][1], of_vertex[i][2]};
-    });
+    gather();
     const std::vector<Vec3f> sums_before = sums, step_before = step;
     std::fill(sums.begin(), sums.end(), Vec3f{0, 0, 0});
     for (size_t i = 0; i < from_surfaces_.size(); ++i) sums[i % lights_] += from_surfaces_[i];

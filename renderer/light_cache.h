@@ -90,6 +90,8 @@ class LightCache {
   size_t index(uint32_t vertex, bool is_back, size_t l) const {
     return (2 * size_t{vertex} + is_back) * lights_ + l;
   }
+  /// One more bounce: from_surfaces_ and blocked_ from leaving_.
+  void gather();
   /// Irradiance by the lights themselves.
   std::vector<Vec3f> direct(const Scene& scene, const LightSet& lights, double turn_rad) const;
 

@@ -41,45 +41,41 @@ struct LightQuery {
   ShadowGuess* guess = nullptr;              // null: none
 };
 
-/// What is expected to arrive from the directions that environment `l` suggests, and shadow rays to some of
-/// them, chosen by how far off each may be (resampled importance sampling, Talbot et al. 2005, equation 6);
-/// where nothing is expected, by what it would bring. What is expected of the eight is added to `arrives`.
+/// What each of eight directions that an environment suggests would bring if nothing stood between, weighted
+/// by the power heuristic over its pdf; 0 where the environment is black.
 template <class Bsdf>
-void sample_environment(const PathContext& c, size_t l, const LightQuery<Bsdf>& at, const LightNumbers& u,
-                        Vec3f8& arrives, Tile& tile) {
-  constexpr int kCount = LightCandidates::kCount;
-  const LightCandidates& candidates = tile.pools[l].at({u.along.y, u.across});
+Vec3f8 unshadowed(const LightCandidates& candidates, const LightQuery<Bsdf>& at) {
   const auto eight = [](const float* values) { return Float8(values, stdx::vector_aligned); };
   const Vec3f8 wi{eight(candidates.wi_x), eight(candidates.wi_y), eight(candidates.wi_z)};
   const Vec3f8 light{eight(candidates.red), eight(candidates.green), eight(candidates.blue)};
   const Float8 pdf = eight(candidates.pdf);
   const BsdfValue8 f = at.bsdf.eval(wi);
-  // The power heuristic over the pdf.
   const Float8 ratio = f.pdf / (at.split.worth * pdf), scale = 1 / (pdf * (1 + ratio * ratio));
   const Float8 zero = 0;
   const Mask8 shines = pdf > zero;
   const auto shining = [&](Float8 v) { return select(shines, v, zero); };
   const Vec3f throughput = at.throughput / static_cast<float>(at.split.groups);
-  const Vec3f8 value{shining(throughput.x * f.value.x * light.x * scale),
-                     shining(throughput.y * f.value.y * light.y * scale),
-                     shining(throughput.z * f.value.z * light.z * scale)};
-  const Float8 size = (value.x + value.y + value.z) * (1.0f / 3);
-  const float whole = stdx::reduce(size);
-  if (!std::isfinite(whole)) ++tile.nonfinite;
-  if (!(whole > 0) || !std::isfinite(whole)) return;
-  float rays = static_cast<float>(at.split.picks);
-  Expected8 expected;
-  if (at.known || at.guess) {
-    expected = expect(candidates, at.known, at.guess);
-    arrives = {arrives.x + expected.share * value.x, arrives.y + expected.share * value.y,
-               arrives.z + expected.share * value.z};
-  }
-  const Float8 weight = size * expected.doubt;
-  const float doubted = stdx::reduce(weight);
-  if (!(doubted > 0)) return;
-  if (at.guess) rays *= ShadowGuess::rays(doubted / whole);
-  const float step = doubted / rays;
-  float place = u.along.x * step;
+  return {shining(throughput.x * f.value.x * light.x * scale),
+          shining(throughput.y * f.value.y * light.y * scale),
+          shining(throughput.z * f.value.z * light.z * scale)};
+}
+
+/// Shadow rays towards an environment's directions wait in the tile. How many is `rays`, which ones their
+/// `weight` (resampled importance sampling, Talbot et al. 2005, equation 6), by steps of equal weight from a
+/// random start.
+struct ShadowChoice {
+  const LightCandidates& candidates;
+  const Vec3f8& value;
+  Float8 weight, expected_share;
+  float rays;
+};
+template <class Bsdf>
+void choose_shadow_rays(const PathContext& c, size_t l, const LightQuery<Bsdf>& at, float u,
+                        const ShadowChoice& choice, Tile& tile) {
+  constexpr int kCount = LightCandidates::kCount;
+  const auto& [candidates, value, weight, expected_share, rays] = choice;
+  const float doubted = stdx::reduce(weight), step = doubted / rays;
+  float place = u * step;
   if (!(step > 0) || place >= doubted) return;  // 0: below what a float holds
   alignas(32) float sums[kCount];
   float sum = 0;
@@ -95,9 +91,35 @@ void sample_environment(const PathContext& c, size_t l, const LightQuery<Bsdf>& 
                             std::numeric_limits<float>::infinity(),
                             chosen_value * (step / (chosen_weight * static_cast<float>(kCount))),
                             static_cast<uint32_t>(l),
-                            expected.share[chosen],
+                            expected_share[chosen],
                             at.guess ? &at.guess->at(candidates.cell[chosen]) : nullptr});
   }
+}
+
+/// What is expected to arrive from the directions that environment `l` suggests, which is added to `arrives`,
+/// and shadow rays to some of them, chosen by how far off that may be; where nothing is expected, by what
+/// they would bring.
+template <class Bsdf>
+void sample_environment(const PathContext& c, size_t l, const LightQuery<Bsdf>& at, const LightNumbers& u,
+                        Vec3f8& arrives, Tile& tile) {
+  const LightCandidates& candidates = tile.pools[l].at({u.along.y, u.across});
+  const Vec3f8 value = unshadowed(candidates, at);
+  const Float8 size = (value.x + value.y + value.z) * (1.0f / 3);
+  const float whole = stdx::reduce(size);
+  if (!std::isfinite(whole)) ++tile.nonfinite;
+  if (!(whole > 0) || !std::isfinite(whole)) return;
+  float rays = static_cast<float>(at.split.picks);
+  Expected8 expected;
+  if (at.known || at.guess) {
+    expected = expect(candidates, at.known, at.guess);
+    arrives = {arrives.x + expected.share * value.x, arrives.y + expected.share * value.y,
+               arrives.z + expected.share * value.z};
+  }
+  const Float8 weight = size * expected.doubt;
+  const float doubted = stdx::reduce(weight);
+  if (!(doubted > 0)) return;
+  if (at.guess) rays *= ShadowGuess::rays(doubted / whole);
+  choose_shadow_rays(c, l, at, u.along.x, {candidates, value, weight, expected.share, rays}, tile);
 }
 
 /// Asks every light: their shadow rays wait in the tile.

@@ -145,9 +145,8 @@ class WalkLanes {
     return true;
   }
 
-  /// Draws every walk's next segment. A first one looks farther than it goes, for the other side of a sheet:
-  /// farther than that matters.
-  void draw(SolidRay* rays) {
+  /// Draws every walk's next segment.
+  void draw() {
     alignas(32) float u[5][8] = {};
     alignas(32) float first[8];
     for (int k = 0; k < 8; ++k) {
@@ -193,6 +192,11 @@ class WalkLanes {
                  sine * cosine_phi * s_[c].get() + sine * sine_phi * b_[c].get() + mu * n_[c].get()));
     const Float8 t = -log_of(1 - number(4)) / (sigma * (1 - side * mu / nu));
     t_.set(t), mu_.set(mu);
+  }
+
+  /// What draw() drew, as rays. A first one looks farther than it goes, for the other side of a sheet:
+  /// farther than that matters.
+  void set_rays(SolidRay* rays) const {
     for (int k = 0; k < 8; ++k) {
       if (!walk_[k]) continue;
       float t_far = t_.lane[k];
@@ -299,7 +303,8 @@ void walk_under_surface(const Scene& scene, std::vector<Walk>& walks, RayCounts&
       while (lanes.is_free(k) && next < walks.size()) free -= lanes.start(k, walks[next++]);
     if (free == 8) return;
     SolidRay rays[8];
-    lanes.draw(rays);
+    lanes.draw();
+    lanes.set_rays(rays);
     alignas(32) int valid[8];
     for (int k = 0; k < 8; ++k) valid[k] = lanes.is_free(k) ? 0 : -1;
     intersect_solids<kCutouts>(scene, valid, rays, counts);

@@ -232,6 +232,23 @@ std::vector<TileBox> tiles_of(const PixelBox& box, const std::vector<uint32_t>& 
   return tiles;
 }
 
+/// Adds what tiles did, one at a time.
+struct TileSums {
+  std::mutex mutex;
+  void add(const Tile& tile, const std::vector<RecordedRay>& recorded, RenderStatistics& statistics) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (statistics.record)
+      statistics.record->insert(statistics.record->end(), recorded.begin(), recorded.end());
+    statistics.paths += tile.paths;
+    statistics.closest_hit_rays += tile.rays.closest_hit;
+    statistics.shadow_rays += tile.rays.shadow;
+    statistics.walks += tile.rays.walks;
+    statistics.walk_segments += tile.rays.walk_segments;
+    statistics.walk_leaks += tile.rays.walk_leaks;
+    statistics.nonfinite += tile.nonfinite;
+  }
+};
+
 }  // namespace
 
 Picture::Picture(const LitView& seen_view, const RenderSettings& render_settings)
@@ -265,9 +282,7 @@ std::vector<SampleLight> render_round(const Picture& picture, const PathRange& p
                                       RenderStatistics& statistics, const PixelsDone& done,
                                       std::vector<float>* work) {
   std::vector<SampleLight> images = black_images(picture.context.lights, picture.settings.size_px);
-  std::mutex record_mutex;
-  std::atomic<uint64_t> path_count{0}, closest_hit{0}, shadow{0}, walks{0}, walk_segments{0}, leaks{0},
-      nonfinite{0};
+  TileSums sums;
   const std::vector<TileBox> tiles =
       tiles_of(whole_blocks(picture.box, picture.settings.size_px), paths.count, picture.settings.size_px);
   std::atomic<size_t> next{0};
@@ -279,27 +294,10 @@ std::vector<SampleLight> render_round(const Picture& picture, const PathRange& p
     std::vector<RecordedRay> recorded;
     std::vector<RecordedRay>* record = statistics.record ? &recorded : nullptr;
     const Tile tile = render_tile(picture, paths, tiles[t], images, work, record);
-    if (record) {
-      const std::lock_guard<std::mutex> lock(record_mutex);
-      statistics.record->insert(statistics.record->end(), recorded.begin(), recorded.end());
-    }
-    path_count += tile.paths;
-    closest_hit += tile.rays.closest_hit;
-    shadow += tile.rays.shadow;
-    walks += tile.rays.walks;
-    walk_segments += tile.rays.walk_segments;
-    leaks += tile.rays.walk_leaks;
-    nonfinite += tile.nonfinite;
+    sums.add(tile, recorded, statistics);
     const PixelBox& px = tiles[t].pixels;
     if (done) done(static_cast<size_t>(px.x1 - px.x0) * (px.y1 - px.y0));
   });
-  statistics.paths += path_count;
-  statistics.closest_hit_rays += closest_hit;
-  statistics.shadow_rays += shadow;
-  statistics.walks += walks;
-  statistics.walk_segments += walk_segments;
-  statistics.walk_leaks += leaks;
-  statistics.nonfinite += nonfinite;
   return images;
 }
 

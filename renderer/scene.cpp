@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <stdexcept>
 
 #include "dataset/model/tangent_frame.h"
@@ -13,29 +12,6 @@ namespace {
 // Hit points are computed from the corners; their error is a few units in the last place of the largest
 // coordinate. 32 of them clear it with a wide margin and are 5 micrometres on a human.
 constexpr float kOffsetUlps = 32;
-
-void throw_embree_error(void*, RTCError code, const char* message) {
-  throw std::runtime_error("Embree error " + std::to_string(code) + ": " + message);
-}
-
-RTCScene build_bvh(RTCDevice device, const Scene& scene, uint32_t first, uint32_t count, bool is_cut) {
-  if (count == 0) return nullptr;
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, scene.positions.data(),
-                             0, sizeof(Vec3f), scene.positions.size() - 1);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, scene.indices.data(),
-                             size_t{first} * 3 * sizeof(uint32_t), 3 * sizeof(uint32_t), count);
-  rtcCommitGeometry(geometry);
-  RTCScene bvh = rtcNewScene(device);
-  // Splitting triangles (HIGH) takes three times as long to build, and people's even meshes are no faster by
-  // it.
-  rtcSetSceneBuildQuality(bvh, RTC_BUILD_QUALITY_MEDIUM);
-  if (is_cut) surface::allow_filters(bvh, geometry);
-  rtcAttachGeometry(bvh, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(bvh);
-  return bvh;
-}
 
 TriangleAttributes attributes_of(const ModelTriangle& triangle, const Model& model,
                                  const std::vector<Vec3f>& normals) {
@@ -66,7 +42,16 @@ Scene::Scene(const Model& model) : positions(model.positions_cm), bounds(bounds_
   const auto first_cutout = std::stable_partition(
       order.begin(), order.end(), [&](uint32_t t) { return !sets[model.triangles[t].set].has_alpha(); });
   opaque_count = static_cast<uint32_t>(first_cutout - order.begin());
+  set_triangles(model, order);
 
+  opaque_tree_ = surface::TriangleTree(positions, indices.data(), opaque_count);
+  cutout_tree_ = surface::TriangleTree(positions, indices.data() + 3 * size_t{opaque_count},
+                                       order.size() - opaque_count, {false, true});
+  opaque = opaque_tree_.scene();
+  cutout = cutout_tree_.scene();
+}
+
+void Scene::set_triangles(const Model& model, const std::vector<uint32_t>& order) {
   const std::vector<Vec3f> normals = model.normals.empty() ? smooth_normals(model) : model.normals;
   if (normals.size() != model.positions_cm.size())
     throw std::logic_error("build_scene: " + std::to_string(normals.size()) + " normals of " +
@@ -87,18 +72,6 @@ Scene::Scene(const Model& model) : positions(model.positions_cm), bounds(bounds_
     tangents.push_back({{corner[0].tangent, corner[1].tangent, corner[2].tangent},
                         {corner[0].sign, corner[1].sign, corner[2].sign}});
   }
-
-  device_ = rtcNewDevice(nullptr);
-  if (!device_) throw std::bad_alloc();  // the only thing that it can lack here
-  rtcSetDeviceErrorFunction(device_, throw_embree_error, nullptr);
-  opaque = build_bvh(device_, *this, 0, opaque_count, false);
-  cutout = build_bvh(device_, *this, opaque_count, static_cast<uint32_t>(order.size()) - opaque_count, true);
-}
-
-Scene::~Scene() {
-  if (opaque) rtcReleaseScene(opaque);
-  if (cutout) rtcReleaseScene(cutout);
-  rtcReleaseDevice(device_);
 }
 
 std::shared_ptr<const Scene> build_scene(const Model& model) {

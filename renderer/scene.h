@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "dataset/surface/embree_compat.h"
+#include "dataset/surface/triangle_tree.h"
 #include "renderer/render.h"
 #include "renderer/texels.h"
 
@@ -35,7 +35,6 @@ struct Hit {
 class Scene {
  public:
   explicit Scene(const Model& model);
-  ~Scene();
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
@@ -50,7 +49,10 @@ class Scene {
   RTCScene opaque = nullptr, cutout = nullptr;  // null if they have no triangle
 
  private:
-  RTCDevice device_ = nullptr;
+  /// In the order of `order`, which numbers the model's triangles.
+  void set_triangles(const Model& model, const std::vector<uint32_t>& order);
+
+  surface::TriangleTree opaque_tree_, cutout_tree_;
 };
 
 }  // namespace ohb::renderer

@@ -139,6 +139,7 @@ void add_stress_chart(CLI::App& chart, Commands& commands) {
   command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
       ->required();
   add_common_options(*command, commands.common);
+  add_seed_option(*command, commands.common);
   command->footer(
       program::help_footer({"openhumanbrdf chart stress -o stress",
                             "openhumanbrdf chart stress --case roughness --no-cycles -o stress"},
@@ -189,6 +190,7 @@ void add_chart_command(CLI::App& app, Commands& commands) {
   command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
       ->required();
   add_common_options(*command, commands.common);
+  add_seed_option(*command, commands.common);
   command->footer(
       program::help_footer({"openhumanbrdf chart speed-accuracy model --environment studio.exr -o chart",
                             "openhumanbrdf chart speed-accuracy model --environment a.exr --environment "

@@ -86,6 +86,7 @@ void add_bake_chart(CLI::App& chart, Commands& commands) {
   command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
       ->required();
   add_common_options(*command, commands.common);
+  add_seed_option(*command, commands.common);
   command->footer(program::help_footer(
       {"openhumanbrdf chart bake person.obj --regions regions --environment studio.exr -o chart",
        "openhumanbrdf chart bake person.obj --regions regions --environment studio.exr "

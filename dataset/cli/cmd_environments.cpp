@@ -94,6 +94,7 @@ void add_import(CLI::App& parent, Commands& commands) {
 
 void add_synthesise(CLI::App& parent, Commands& commands) {
   CLI::App* command = sub_command(parent, commands, "synthesise", "Skies, studios, coloured lamps, rooms");
+  add_seed_option(*command, commands.common);
   auto job = std::make_shared<environments::SynthesisJob>();
   command->add_option("-o,--output", job->library, "folder of the library")->required();
   command->add_option("--count", job->count, "environments to make")

@@ -57,6 +57,7 @@ void add_people_command(CLI::App& app, Commands& commands) {
   command->add_flag("--baked-shading", job->scan.faults.shading, "soft light and its shadows in the picture");
   command->add_option("-o,--output", job->output, "folder for the people")->required();
   add_common_options(*command, commands.common);
+  add_seed_option(*command, commands.common);
   command->footer(program::help_footer(
       {"openhumanbrdf people --assets makehuman --count 147 --balanced -o people",
        "openhumanbrdf people --assets makehuman --count 12 --seed 7 --atlas 4096 -o people",

@@ -139,6 +139,7 @@ void add_render_command(CLI::App& app, Commands& commands) {
   command->add_flag("--overwrite", options->overwrites,
                     "replace the views in that folder if they are of other settings (else they are refused)");
   add_common_options(*command, commands.common);
+  add_seed_option(*command, commands.common);
   command->footer(program::help_footer(
       {"openhumanbrdf render model --environment studio.exr --environment sunset.exr --views 8 -o samples",
        "openhumanbrdf render model --point 100,220,200,5 --views 100:0,25 --size 256 --error 0.02 -o "

@@ -130,6 +130,7 @@ void add_validate_command(CLI::App& app, Commands& commands) {
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "folder for the report")->required();
   add_common_options(*command, commands.common);
+  add_seed_option(*command, commands.common);
   command->footer(program::help_footer(
       {"openhumanbrdf validate model --environment studio.exr -o report",
        "openhumanbrdf validate model --environment sunset.exr --view 25/100 --size 512 --spp 256 -o report",

@@ -9,10 +9,13 @@ namespace ohb {
 void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_option("--threads", options.threads, "threads to use (default: all cores)")
       ->check(program::whole_within(0, 4096));
+  command.add_flag("--json", options.json, "print one machine-readable result on stdout");
+}
+
+void add_seed_option(CLI::App& command, CommonOptions& options) {
   command.add_option("--seed", options.seed, "seed of the random numbers")
       ->check(program::whole_within(0, UINT64_MAX))
       ->capture_default_str();
-  command.add_flag("--json", options.json, "print one machine-readable result on stdout");
 }
 
 // Each of these is in its own cmd_<name>.cpp.

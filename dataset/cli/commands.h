@@ -11,7 +11,7 @@ class App;
 
 namespace ohb {
 
-/// Options that every command has.
+/// Options that every command has; the seed is of those that draw random numbers.
 struct CommonOptions {
   int threads = 0;  // 0: all cores
   uint64_t seed = 1;
@@ -26,7 +26,9 @@ struct Commands {
   void add_to(CLI::App& app);
 };
 
-/// Adds --threads, --seed and --json.
+/// Adds --threads and --json.
 void add_common_options(CLI::App& command, CommonOptions& options);
+/// Adds --seed: for the commands that draw random numbers.
+void add_seed_option(CLI::App& command, CommonOptions& options);
 
 }  // namespace ohb

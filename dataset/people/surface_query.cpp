@@ -1,40 +1,14 @@
 #include "dataset/people/surface_query.h"
 
-#include "dataset/surface/embree_compat.h"
-
 namespace ohb::people {
 
-struct SurfaceQuery::Bvh {
-  RTCDevice device = rtcNewDevice(nullptr);
-  RTCScene scene = nullptr;
-  ~Bvh() {
-    if (scene) rtcReleaseScene(scene);
-    if (device) rtcReleaseDevice(device);
-  }
-};
-
 SurfaceQuery::SurfaceQuery(std::vector<Vec3f> positions_cm, std::vector<SurfaceTriangle> triangles)
-    : positions_(std::move(positions_cm)), triangles_(std::move(triangles)), bvh_(std::make_unique<Bvh>()) {
-  if (!bvh_->device) throw std::bad_alloc();
-  bvh_->scene = rtcNewScene(bvh_->device);
-  rtcSetSceneFlags(bvh_->scene, RTC_SCENE_FLAG_ROBUST);
-  const RTCGeometry geometry = rtcNewGeometry(bvh_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(Vec3f), positions_.size() + 1));
-  auto* corners = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), triangles_.size()));
-  for (size_t i = 0; i < positions_.size(); ++i)
-    for (size_t axis = 0; axis < 3; ++axis) points[3 * i + axis] = positions_[i][static_cast<int>(axis)];
-  for (size_t i = 0; i < triangles_.size(); ++i)
-    for (size_t k = 0; k < 3; ++k) corners[3 * i + k] = triangles_[i].corner[k];
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(bvh_->scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(bvh_->scene);
+    : positions_(std::move(positions_cm)), triangles_(std::move(triangles)) {
+  positions_.emplace_back();  // Embree reads 16 bytes at the last
+  for (const SurfaceTriangle& triangle : triangles_)
+    corners_.insert(corners_.end(), triangle.corner, triangle.corner + 3);
+  tree_ = surface::TriangleTree(positions_, corners_.data(), triangles_.size(), {true, false});
 }
-
-SurfaceQuery::~SurfaceQuery() = default;
-SurfaceQuery::SurfaceQuery(SurfaceQuery&&) noexcept = default;
 
 Vec3f SurfaceQuery::normal(uint32_t triangle) const {
   const uint32_t* corner = triangles_[triangle].corner;
@@ -55,7 +29,7 @@ SurfaceHit SurfaceQuery::first_hit(Vec3f origin, Vec3f direction, float reach_cm
   ray.ray = {origin.x,    origin.y, origin.z, 0,           direction.x, direction.y,
              direction.z, 0,        reach_cm, 0xffffffffu, 0,           0};
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  surface::intersect_one(bvh_->scene, ray);
+  surface::intersect_one(tree_.scene(), ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return found;
   return {true, ray.hit.primID, ray.hit.u, ray.hit.v, ray.ray.tfar, normal(ray.hit.primID)};
 }
@@ -64,7 +38,7 @@ bool SurfaceQuery::is_blocked(Vec3f origin, Vec3f direction, float reach_cm) con
   if (triangles_.empty()) return false;
   RTCRay ray{origin.x,    origin.y, origin.z, 0,           direction.x, direction.y,
              direction.z, 0,        reach_cm, 0xffffffffu, 0,           0};
-  surface::occluded_one(bvh_->scene, ray);
+  surface::occluded_one(tree_.scene(), ray);
   return ray.tfar < 0;
 }
 
@@ -127,7 +101,7 @@ SurfaceHit SurfaceQuery::nearest(Vec3f point, float reach_cm,
   RTCPointQuery query{point.x, point.y, point.z, 0, reach_cm};
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
-  rtcPointQuery(bvh_->scene, &query, &context, visit, &search);
+  rtcPointQuery(tree_.scene(), &query, &context, visit, &search);
   if (search.found.found) search.found.normal = normal(search.found.triangle);
   return search.found;
 }

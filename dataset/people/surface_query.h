@@ -3,10 +3,10 @@
 
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <vector>
 
 #include "dataset/model/vec.h"
+#include "dataset/surface/triangle_tree.h"
 
 namespace ohb::people {
 
@@ -27,8 +27,7 @@ struct SurfaceHit {
 class SurfaceQuery {
  public:
   SurfaceQuery(std::vector<Vec3f> positions_cm, std::vector<SurfaceTriangle> triangles);
-  ~SurfaceQuery();
-  SurfaceQuery(SurfaceQuery&&) noexcept;
+  SurfaceQuery(SurfaceQuery&&) = default;
   SurfaceQuery(const SurfaceQuery&) = delete;
 
   /// The first triangle along a unit direction within `reach_cm`.
@@ -44,10 +43,10 @@ class SurfaceQuery {
   Vec3f at(const SurfaceHit& hit) const;
 
  private:
-  struct Bvh;
-  std::vector<Vec3f> positions_;
+  std::vector<Vec3f> positions_;  // one more than there are
   std::vector<SurfaceTriangle> triangles_;
-  std::unique_ptr<Bvh> bvh_;
+  std::vector<uint32_t> corners_;  // as the tree reads them
+  surface::TriangleTree tree_;
 };
 
 /// Nearest point of a triangle (Ericson 2005, Real-Time Collision Detection, 5.1.5) as weights of b and c.

@@ -79,7 +79,8 @@ void add_relight_command(CLI::App& app, Commands& commands) {
   command->add_option("--blender", arguments->blender,
                       "program of Blender 3.4 or later (default: blender in PATH)");
   command->add_option("-o,--output", arguments->output, "picture, .png or .exr")->required();
-  add_common_options(*command, commands.common, INT32_MAX);
+  add_common_options(*command, commands.common);
+  add_seed_option(*command, commands.common, INT32_MAX);
   command->footer(program::help_footer(
       {"humanmaterial relight maps --environment sunset.exr --rotation 40 -o relit.png",
        "humanmaterial relight maps --point 100,220,200,5 --edit fabric:shiny_leather --edit "

@@ -134,6 +134,7 @@ void add_train_command(CLI::App& app, Commands& commands) {
                       "finetune with --guidance priors: three runs or weights");
   add_schedule(*command, arguments->train);
   add_common_options(*command, commands.common);
+  add_seed_option(*command, commands.common);
   command->footer(program::help_footer(
       {"humanmaterial train geometry --data dataset --size 128 --width 0.25 --epochs 20 -o runs/geometry",
        "humanmaterial train finetune --data dataset --guidance priors --priors runs/geometry runs/albedo "

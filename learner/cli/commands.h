@@ -10,7 +10,7 @@ class App;
 
 namespace ohb::learner {
 
-/// Options that every command has.
+/// Options that every command has; the seed is of those that draw random numbers.
 struct CommonOptions {
   int threads = 0;  // 0: all processors
   uint64_t seed = 1;
@@ -24,8 +24,10 @@ struct Commands {
   void add_to(CLI::App& app);
 };
 
-/// Adds --threads, --seed (0 to `highest_seed`) and --json.
-void add_common_options(CLI::App& command, CommonOptions& options, uint64_t highest_seed = UINT64_MAX);
+/// Adds --threads and --json.
+void add_common_options(CLI::App& command, CommonOptions& options);
+/// Adds --seed, 0 to `highest_seed`: for the commands that draw random numbers.
+void add_seed_option(CLI::App& command, CommonOptions& options, uint64_t highest_seed = UINT64_MAX);
 
 /// Sets libtorch's threads; called by every command before it computes.
 void use_threads(int threads);
