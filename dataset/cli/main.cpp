@@ -50,5 +50,5 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   return ohb::program::run_program("openhumanbrdf", "use smaller maps or images",
-                          [&] { return ohb::run(argc, argv); });
+                                   [&] { return ohb::run(argc, argv); });
 }

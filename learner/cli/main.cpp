@@ -62,5 +62,5 @@ void wait_without_spinning(char** argv) {
 int main(int argc, char** argv) {
   ohb::learner::wait_without_spinning(argv);
   return ohb::program::run_program("humanmaterial", "use a smaller --size, --width or --batch",
-                          [&] { return ohb::learner::run(argc, argv); });
+                                   [&] { return ohb::learner::run(argc, argv); });
 }

@@ -128,8 +128,9 @@ TEST(Udim, ATiledPersonRendersAsTheSameOnOneTile) {
   FidelitySettings settings;
   settings.size_px = 48;
   settings.spp = 8;
-  const FidelityPoint point = compare_models(bake_model(tiled, regions, table, {}),
-                                             bake_model(person.scan, regions, table, {}), environment, settings);
+  const FidelityPoint point =
+      compare_models(bake_model(tiled, regions, table, {}), bake_model(person.scan, regions, table, {}),
+                     environment, settings);
   EXPECT_TRUE(point.failures.empty()) << point.failures.front();
   EXPECT_LT(point.relative_error, 0.01);
 }

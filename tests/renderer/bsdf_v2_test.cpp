@@ -287,7 +287,8 @@ TEST(BumpTerminatorV2, FallsFromOneToZero) {
   EXPECT_EQ(cycles::bump_terminator_v2<float>(kUp, n, direction(91)), 0);
   EXPECT_EQ(cycles::bump_terminator_v2<float>(kUp, n, kUp), 1);
   // G1 of GGX at 60 degrees, alpha^2 = tan(40)^2 / 8 = .08801: 2 / (1 + sqrt(1 + .08801 x 3)).
-  EXPECT_NEAR(cycles::bump_terminator_v2<float>(kUp, n, direction(60)), 2 / (1 + std::sqrt(1 + 3 * .0880110)), 1e-5);
+  EXPECT_NEAR(cycles::bump_terminator_v2<float>(kUp, n, direction(60)), 2 / (1 + std::sqrt(1 + 3 * .0880110)),
+              1e-5);
   float previous = 2;
   for (double angle = 1; angle < 90; angle += 1) {
     const float g = cycles::bump_terminator_v2<float>(kUp, n, direction(angle));
