@@ -28,6 +28,7 @@ void add_chart_command(CLI::App& app, Commands& commands);
 void add_people_command(CLI::App& app, Commands& commands);
 void add_produce_command(CLI::App& app, Commands& commands);
 void add_environments_command(CLI::App& app, Commands& commands);
+void add_export_command(CLI::App& app, Commands& commands);
 
 void Commands::add_to(CLI::App& app) {
   add_inspect_command(app, *this);
@@ -39,6 +40,7 @@ void Commands::add_to(CLI::App& app) {
   add_people_command(app, *this);
   add_produce_command(app, *this);
   add_environments_command(app, *this);
+  add_export_command(app, *this);
 }
 
 }  // namespace ohb

@@ -12,7 +12,7 @@ import unittest
 from support import BAD_INPUT, DONE, Programs, run
 
 COMMANDS = ["inspect", "label", "bake", "render", "validate", "people", "produce", "environments", "environments import",
-            "environments synthesise", "environments list", "chart", "chart speed-accuracy", "chart stress", "chart bake",
+            "environments synthesise", "environments list", "export", "chart", "chart speed-accuracy", "chart stress", "chart bake",
             "chart bake-stress"]
 LEARNER_COMMANDS = ["train", "evaluate", "estimate", "relight"]
 NUMBER = re.compile(r"^  (?:-\w,)?(--[\w-]+) (INT|UINT|FLOAT)(?::(\S+?)\.\.([^\s=]+))?", re.MULTILINE)

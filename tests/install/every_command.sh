@@ -33,6 +33,8 @@ openhumanbrdf inspect "$human"
 openhumanbrdf label "$human" --automatic -o regions
 openhumanbrdf bake "$human" --regions regions --size 256 -o model
 openhumanbrdf render model --environment "$sky" --views 2 --size 64 --spp 4 --subsurface diffuse -o samples
+openhumanbrdf export samples --png -o pictures
+openhumanbrdf export samples --page -o page
 openhumanbrdf environments synthesise --count 3 --width 64 -o lights
 openhumanbrdf environments import "$sky" --licence CC0-1.0 -o lights
 openhumanbrdf environments list lights
