@@ -53,9 +53,9 @@ double solid_angle_of(const AreaLight& light) {
   return 0;
 }
 
-Vec3f towards_degrees(float azimuth_deg, float elevation_deg) {
-  const auto a = static_cast<float>(azimuth_deg * kPiDouble / 180),
-             e = static_cast<float>(elevation_deg * kPiDouble / 180);
+Vec3f towards_degrees(AzimuthElevation way) {
+  const auto a = static_cast<float>(way.azimuth_deg * kPiDouble / 180),
+             e = static_cast<float>(way.elevation_deg * kPiDouble / 180);
   return {std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e)};
 }
 

@@ -26,6 +26,9 @@ bool shines(const AreaLight& light, Vec3f direction, Vec3f& radiance);
 double solid_angle_of(const AreaLight& light);
 
 /// Unit direction: azimuth 0 is the front (+Z), positive to the subject's left (+X).
-Vec3f towards_degrees(float azimuth_deg, float elevation_deg);
+struct AzimuthElevation {
+  float azimuth_deg, elevation_deg;
+};
+Vec3f towards_degrees(AzimuthElevation way);
 
 }  // namespace ohb::environments

@@ -40,32 +40,40 @@ Vec3f with_lamps(const std::vector<AreaLight>& lamps, Vec3f way, Vec3f behind) {
   return behind;
 }
 
-/// `power`: the luminance that it adds at the subject, as radiance x sr.
-AreaLight lamp_of(AreaLight::Shape shape, Vec3f towards, float half_width, float half_height, Vec3f colour,
-                  float power) {
+/// Braces around what is drawn keep the order of the draws, which arguments have not.
+struct Lamp {
+  AreaLight::Shape shape;
+  Vec3f towards;
+  float half_width, half_height;
+  Vec3f colour;
+  float power;  // the luminance that it adds at the subject, as radiance x sr
+};
+
+AreaLight lamp_of(const Lamp& drawn) {
   AreaLight lamp;
-  lamp.shape = shape, lamp.towards = towards, lamp.half_width = half_width, lamp.half_height = half_height;
-  lamp.radiance = colour * static_cast<float>(static_cast<double>(power) / solid_angle_of(lamp));
+  lamp.shape = drawn.shape, lamp.towards = drawn.towards;
+  lamp.half_width = drawn.half_width, lamp.half_height = drawn.half_height;
+  lamp.radiance = drawn.colour * static_cast<float>(static_cast<double>(drawn.power) / solid_angle_of(lamp));
   return lamp;
 }
 
 AreaLight key_light(Random& random, float side, Vec3f colour, std::string& words) {
   const float azimuth = side * within(random, 15, 75), elevation = within(random, 10, 60);
-  const Vec3f towards = towards_degrees(azimuth, elevation);
+  const Vec3f towards = towards_degrees({azimuth, elevation});
   const int shape = below(random, 4);
   AreaLight lamp;
   if (shape == 0) {
     const float radius = within(random, 0.15f, 0.4f);
-    lamp = lamp_of(AreaLight::Shape::kDisc, towards, radius, 0, colour, 1);
+    lamp = lamp_of({AreaLight::Shape::kDisc, towards, radius, 0, colour, 1});
     words = "round key";
   } else if (shape == 1) {
     const float radius = within(random, 0.2f, 0.45f);
-    lamp = lamp_of(AreaLight::Shape::kRing, towards_degrees(azimuth * 0.2f, within(random, 0, 15)), radius,
-                   radius * within(random, 0.55f, 0.8f), colour, 1);
+    lamp = lamp_of({AreaLight::Shape::kRing, towards_degrees({azimuth * 0.2f, within(random, 0, 15)}), radius,
+                    radius * within(random, 0.55f, 0.8f), colour, 1});
     words = "ring";
   } else {
-    lamp = lamp_of(AreaLight::Shape::kRectangle, towards, within(random, 0.15f, 0.5f),
-                   within(random, 0.15f, 0.5f), colour, 1);
+    lamp = lamp_of({AreaLight::Shape::kRectangle, towards, within(random, 0.15f, 0.5f),
+                    within(random, 0.15f, 0.5f), colour, 1});
     lamp.roll_rad = within(random, -0.3f, 0.3f);
     words = "softbox key";
   }
@@ -77,9 +85,9 @@ void add_rims(Random& random, float side, int count, float power, const Vec3f (&
               std::vector<AreaLight>& lamps) {
   for (int k = 0; k < count; ++k) {
     const float azimuth = (k == 0 ? -side : side) * within(random, 115, 160);
-    AreaLight rim = lamp_of(AreaLight::Shape::kRectangle, towards_degrees(azimuth, within(random, 0, 35)),
-                            within(random, 0.05f, 0.12f), within(random, 0.35f, 0.7f), colours[k % 2],
-                            power * within(random, 0.4f, 1.2f));
+    AreaLight rim = lamp_of({AreaLight::Shape::kRectangle, towards_degrees({azimuth, within(random, 0, 35)}),
+                             within(random, 0.05f, 0.12f), within(random, 0.35f, 0.7f), colours[k % 2],
+                             power * within(random, 0.4f, 1.2f)});
     rim.falloff = 0.2f;
     lamps.push_back(rim);
   }
@@ -95,15 +103,15 @@ Painting studio(Random& random, int width_px) {
   const Vec3f second = light_of_temperature(within(random, 3200, 7500));
   const float fill = within_ratio(random, 0.08f, 0.7f);
   if (random.next() < 0.8f)
-    lamps.push_back(lamp_of(AreaLight::Shape::kRectangle,
-                            towards_degrees(-side * within(random, 35, 80), within(random, 0, 30)),
-                            within(random, 0.25f, 0.6f), within(random, 0.25f, 0.6f), second, fill));
+    lamps.push_back(lamp_of({AreaLight::Shape::kRectangle,
+                             towards_degrees({-side * within(random, 35, 80), within(random, 0, 30)}),
+                             within(random, 0.25f, 0.6f), within(random, 0.25f, 0.6f), second, fill}));
   const int rims = below(random, 3);
   add_rims(random, side, rims, 0.5f, {second, light_of_temperature(5500)}, lamps);
   if (random.next() < 0.4f)
-    lamps.push_back(lamp_of(AreaLight::Shape::kRectangle, towards_degrees(0, within(random, 72, 88)),
-                            within(random, 0.3f, 0.7f), within(random, 0.2f, 0.4f), second,
-                            within(random, 0.1f, 0.5f)));
+    lamps.push_back(lamp_of({AreaLight::Shape::kRectangle, towards_degrees({0, within(random, 72, 88)}),
+                             within(random, 0.3f, 0.7f), within(random, 0.2f, 0.4f), second,
+                             within(random, 0.1f, 0.5f)}));
   float power = 0;
   for (const AreaLight& lamp : lamps)
     power += luminance(lamp.radiance) * static_cast<float>(solid_angle_of(lamp));
@@ -126,12 +134,12 @@ Painting coloured_lamps(Random& random, int width_px) {
   const float first = random.next(), apart = within(random, 0.2f, 0.5f);
   const int hues = 2 + below(random, 2);
   const auto colour = [&](int k) {
-    return hue_of(first + apart * static_cast<float>(k % hues) + within(random, -0.04f, 0.04f),
-                  within(random, 0.4f, 0.95f));
+    const float hue = first + apart * static_cast<float>(k % hues) + within(random, -0.04f, 0.04f);
+    return hue_of(hue, within(random, 0.4f, 0.95f));
   };
   const int glow_count = 2 + below(random, 3), lamp_count = below(random, 4);
   for (int k = 0; k < glow_count; ++k) {
-    const Vec3f towards = towards_degrees(within(random, -180, 180), within(random, -25, 60));
+    const Vec3f towards = towards_degrees({within(random, -180, 180), within(random, -25, 60)});
     const float sharpness = within_ratio(random, 2, 40);
     // Its energy, 2 pi / sharpness x (1 - exp(-2 sharpness)), is drawn, not its peak.
     const float energy = within_ratio(random, 0.2f, 1);
@@ -141,12 +149,14 @@ Painting coloured_lamps(Random& random, int width_px) {
   for (int k = 0; k < lamp_count; ++k) {
     const bool is_disc = random.next() < 0.3f;
     const float half = within_ratio(random, 0.06f, 0.4f);
-    const Vec3f towards = towards_degrees(within(random, -150, 150), within(random, 0, 50));
-    lamps.push_back(lamp_of(is_disc ? AreaLight::Shape::kDisc : AreaLight::Shape::kRectangle, towards, half,
-                            within_ratio(random, 0.06f, 0.5f), colour(k + 1), within_ratio(random, 0.2f, 1)));
+    const Vec3f towards = towards_degrees({within(random, -150, 150), within(random, 0, 50)});
+    lamps.push_back(
+        lamp_of({is_disc ? AreaLight::Shape::kDisc : AreaLight::Shape::kRectangle, towards, half,
+                 within_ratio(random, 0.06f, 0.5f), colour(k + 1), within_ratio(random, 0.2f, 1)}));
   }
-  const Vec3f above = colour(0) * within(random, 0.01f, 0.06f),
-              under = colour(1) * within(random, 0.01f, 0.06f);
+  const Vec3f first_hue = colour(0), second_hue = colour(1);
+  const Vec3f above = first_hue * within(random, 0.01f, 0.06f);
+  const Vec3f under = second_hue * within(random, 0.01f, 0.06f);
   Image map = painted(width_px, kPaintSamples, [&](Vec3f way) {
     const float up = smooth(-0.6f, 0.6f, way.y);
     Vec3f light = above * up + under * (1 - up);

@@ -13,7 +13,7 @@ namespace {
 
 struct Sun {
   float azimuth_deg, elevation_deg;
-  Vec3f way() const { return towards_degrees(azimuth_deg, elevation_deg); }
+  Vec3f way() const { return towards_degrees({azimuth_deg, elevation_deg}); }
 };
 
 Sun draw_sun(Random& random, float lowest_deg, float highest_deg) {

@@ -15,8 +15,9 @@ namespace {
 Vec3f paint_colour(Random& random) {
   // Mostly whites and greys, sometimes a colour.
   const float value = within(random, 0.35f, 0.8f);
-  const Vec3f hue =
-      hue_of(random.next(), random.next() < 0.3f ? within(random, 0.2f, 0.6f) : within(random, 0, 0.12f));
+  const float turns = random.next();
+  const bool is_coloured = random.next() < 0.3f;
+  const Vec3f hue = hue_of(turns, is_coloured ? within(random, 0.2f, 0.6f) : within(random, 0, 0.12f));
   Vec3f albedo = hue * value;
   const float most = std::max({albedo.x, albedo.y, albedo.z});
   return most > 0.85f ? albedo * (0.85f / most) : albedo;
@@ -58,11 +59,13 @@ void add_panels(Random& random, int wall, Room& room) {
     return;
   }
   const int pictures = 1 + below(random, 3);
-  for (int k = 0; k < pictures; ++k)
-    room.panels.push_back(
-        {upright(wall, length * (static_cast<float>(k) + 0.5f) / static_cast<float>(pictures),
-                 within(random, 0.2f, 0.4f), 1.2f, within(random, 1.6f, 2.1f)),
-         hue_of(random.next(), within(random, 0.1f, 0.7f)) * within(random, 0.05f, 0.35f)});
+  for (int k = 0; k < pictures; ++k) {
+    const float middle = length * (static_cast<float>(k) + 0.5f) / static_cast<float>(pictures);
+    const float half_width = within(random, 0.2f, 0.4f), top = within(random, 1.6f, 2.1f);
+    const float hue = random.next(), saturation = within(random, 0.1f, 0.7f);
+    const Vec3f albedo = hue_of(hue, saturation) * within(random, 0.05f, 0.35f);
+    room.panels.push_back({upright(wall, middle, half_width, 1.2f, top), albedo});
+  }
 }
 
 Room draw_room(Random& random, std::string& words) {
@@ -75,7 +78,8 @@ Room draw_room(Random& random, std::string& words) {
   room.ceiling = Vec3f{0.78f, 0.78f, 0.76f} * within(random, 0.8f, 1);
   constexpr Vec3f kFloors[] = {
       {0.30f, 0.18f, 0.10f}, {0.42f, 0.30f, 0.18f}, {0.25f, 0.25f, 0.26f}, {0.45f, 0.42f, 0.38f}};
-  room.floor = kFloors[below(random, 4)] * within(random, 0.7f, 1.3f);
+  const Vec3f floor = kFloors[below(random, 4)];
+  room.floor = floor * within(random, 0.7f, 1.3f);
   const int first = below(random, 4), window_walls = 1 + below(random, 2);
   for (int wall = 0; wall < 4; ++wall) {
     if (wall == first || (window_walls == 2 && wall == (first + 1) % 4))
@@ -96,7 +100,7 @@ Painting room_with_windows(Random& random, int width_px) {
   const bool is_sunny = random.next() < 0.5f;
   const float azimuth = within(random, -180, 180), elevation = within(random, 8, 50),
               turbidity = within(random, 2, 5);
-  const Vec3f sun = towards_degrees(azimuth, elevation);
+  const Vec3f sun = towards_degrees({azimuth, elevation});
   const ClearSky clear(sun, turbidity);
   const Vec3f grey = light_of_temperature(6800) * within(random, 4, 9);
   const Landscape land = draw_landscape(random);
@@ -113,7 +117,8 @@ Painting room_with_windows(Random& random, int width_px) {
     room.lamp.place = {room.size.x * within(random, 0.3f, 0.7f), room.size.y - within(random, 0.25f, 0.7f),
                        room.size.z * within(random, 0.3f, 0.7f)};
     room.lamp.radius = within(random, 0.08f, 0.2f);
-    room.lamp.radiance = light_of_temperature(within(random, 2600, 4000)) * within(random, 3, 25);
+    const Vec3f white = light_of_temperature(within(random, 2600, 4000));
+    room.lamp.radiance = white * within(random, 3, 25);
     words += ", lamp";
   }
   const Vec3f on_ground = irradiance_from_above(sky) + room.sun_irradiance * sun.y;
