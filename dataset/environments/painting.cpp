@@ -12,18 +12,8 @@ namespace {
 
 constexpr double kPiDouble = 3.14159265358979323846;
 
-/// Direction of a share `x`, `y` in [0, 1) of a texel: even in azimuth and in the cosine, so even in solid
-/// angle.
-Vec3f direction_in(int column, int row, double x, double y, int width_px, int height_px) {
-  const double phi = ((column + x) / width_px - 0.5) * 2 * kPiDouble;
-  const double top = std::cos(kPiDouble * row / height_px),
-               bottom = std::cos(kPiDouble * (row + 1) / height_px);
-  const double cosine = top + (bottom - top) * y, sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-  return {static_cast<float>(sine * std::cos(phi)), static_cast<float>(cosine),
-          static_cast<float>(sine * std::sin(phi))};
-}
-
-/// The same for all texels of a map, each with `samples` squared.
+/// Directions that divide each texel evenly: even in azimuth and in the cosine, so even in solid angle. For
+/// all texels of a map, each with `samples` squared.
 class Directions {
  public:
   Directions(int width_px, int samples) : samples_(samples) {
@@ -75,18 +65,29 @@ Vec3f texel_mean(const Directions& directions, int x, int y, const RadianceOf& r
   return sum / static_cast<float>(samples * samples);
 }
 
-/// Share of a texel that the disc covers.
+/// Share of a texel that the disc covers, of kDiscSamples squared samples.
+constexpr int kDiscSamples = 16;
 double covered_share(const Image& map, int x, int y, Vec3f towards, float radius_rad) {
-  constexpr int kSamples = 16;
+  double azimuths[kDiscSamples][2];
+  for (int i = 0; i < kDiscSamples; ++i) {
+    const double phi = ((x + (i + 0.5) / kDiscSamples) / map.width_px - 0.5) * 2 * kPiDouble;
+    azimuths[i][0] = std::cos(phi), azimuths[i][1] = std::sin(phi);
+  }
+  const double top = std::cos(kPiDouble * y / map.height_px),
+               bottom = std::cos(kPiDouble * (y + 1) / map.height_px);
+  // By the sine of half the angle: a cosine so near 1 has no digits left.
+  const float chord = 2 * std::sin(radius_rad / 2);
   int inside = 0;
-  for (int j = 0; j < kSamples; ++j)
-    for (int i = 0; i < kSamples; ++i) {
-      const Vec3f way =
-          direction_in(x, y, (i + 0.5) / kSamples, (j + 0.5) / kSamples, map.width_px, map.height_px);
-      // By the sine of half the angle: a cosine so near 1 has no digits left.
-      inside += length(way - towards) < 2 * std::sin(radius_rad / 2);
+  for (int j = 0; j < kDiscSamples; ++j) {
+    const double cosine = top + (bottom - top) * (j + 0.5) / kDiscSamples;
+    const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    for (const auto& azimuth : azimuths) {
+      const Vec3f way{static_cast<float>(sine * azimuth[0]), static_cast<float>(cosine),
+                      static_cast<float>(sine * azimuth[1])};
+      inside += length(way - towards) < chord;
     }
-  return static_cast<double>(inside) / (kSamples * kSamples);
+  }
+  return static_cast<double>(inside) / (kDiscSamples * kDiscSamples);
 }
 
 }  // namespace
