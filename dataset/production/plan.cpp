@@ -40,7 +40,8 @@ EnvironmentPool read_pool(const XmlDocument& xml, pugi::xml_node node, uint64_t 
   EnvironmentPool pool;
   pool.id = xml.text(node, "id");
   expect_plain_name(xml, node, pool.id);
-  const fs::path folder = plan_path(xml, node, "folder", true);
+  fs::path folder = plan_path(xml, node, "folder", true);
+  if (fs::exists(folder / "envmaps.xml")) folder /= "envmaps";  // a library of `environments`
   const std::string split = xml.text_or(node, "split", "");
   if (!split.empty() && split != "hash") expect_split(xml, node, split);
   if ((split == "hash") != !node.attribute("train").empty())

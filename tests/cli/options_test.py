@@ -11,9 +11,9 @@ import unittest
 
 from support import BAD_INPUT, DONE, Programs, run
 
-COMMANDS = ["inspect", "label", "bake", "render", "validate", "people", "produce", "environments", "environments import",
-            "environments synthesise", "environments list", "export", "chart", "chart speed-accuracy", "chart stress", "chart bake",
-            "chart bake-stress"]
+COMMANDS = ["inspect", "label", "bake", "render", "validate", "people", "produce", "status", "verify", "environments",
+            "environments import", "environments synthesise", "environments list", "export", "chart",
+            "chart speed-accuracy", "chart stress", "chart bake", "chart bake-stress"]
 LEARNER_COMMANDS = ["train", "evaluate", "estimate", "relight"]
 NUMBER = re.compile(r"^  (?:-\w,)?(--[\w-]+) (INT|UINT|FLOAT)(?::(\S+?)\.\.([^\s=]+))?", re.MULTILINE)
 BAD_NUMBERS = ["nan", "-nan", "inf", "-inf", "1e999", "-1e999", "1e-999", "1e300", "-1e300", "1e-300", "-1e-300", "x", "",

@@ -49,6 +49,8 @@ class Fixture:
         self.scan, self.environment = write_scan(f), write_hdr(f / "grey.hdr")
         self.must(["openhumanbrdf", "label", self.scan, "-o", f / "regions"])
         self.must(["openhumanbrdf", "bake", self.scan, "--regions", f / "regions", "--size", 64, "-o", f / "model"])
+        self.write_plan()
+        self.must(["openhumanbrdf", "produce", f / "plan.xml", "-o", f / "dataset"])
         if Programs.learner:
             self.must(["openhumanbrdf", "render", f / "model", "--environment", self.environment, "--size", 64, "--spp", 4,
                        "--views", 2, "-o", f / "samples"])
@@ -59,6 +61,16 @@ class Fixture:
     def estimate(self, output):
         weights = [ROOT / "assets/weights" / (name + ".safetensors") for name in ("geometry", "albedo", "rss")]
         return ["humanmaterial", "estimate", self.photo, "--mask", self.mask, "--weights", *weights, "--size", 64, "-o", output]
+
+    def write_plan(self, name="plan.xml", views=1, size=16, spp=1):
+        (self.folder / "labels.txt").write_text("0\n0\n0\n0\n2\n2\n")
+        (self.folder / "lights").mkdir(exist_ok=True)
+        shutil.copy(self.environment, self.folder / "lights")
+        (self.folder / name).write_text(
+            '<plan schema="1" name="small"><maps size_px="32"/><person id="a" scan="scan.obj" labels="labels.txt" split="train"/>'
+            '<environments id="e" folder="lights"/><views split="train" count="%d" size_px="%d" spp="%d">'
+            '<lights from="e"/></views></plan>' % (views, size, spp))
+        return self.folder / name
 
     def commands(self, output, heavy):
         """Every command of both programs, writing to `output`. heavy: so much work that it can be stopped midway."""
@@ -89,6 +101,12 @@ class Fixture:
                            "--spp", 1024 if heavy else 1, "--seeds", 2, "--map-sizes", 32, "-o", output],
             "chart bake-stress": [o, "chart", "bake-stress", "--case", "source far from the target", "-o", output],
         }
+        plan = self.write_plan("heavy.xml", 9, 512, 1024) if heavy else f / "plan.xml"
+        named["produce"] = [o, "produce", plan, "-o", output]
+        if not heavy:
+            named["produce dry run"] = [o, "produce", plan, "--dry-run"]
+            named["status"] = [o, "status", f / "dataset"]
+            named["verify"] = [o, "verify", f / "dataset", "--rerender", 1]
         if heavy and not labels.exists():
             del named["label refine"]
         if Programs.learner:

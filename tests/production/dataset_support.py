@@ -51,7 +51,7 @@ class Production(unittest.TestCase):
             (self.folder / "people" / name).mkdir(parents=True)
             scan = write_scan(self.folder / "people" / name)
             scan.rename(scan.with_name(name + "_scan.obj"))
-            scan.with_name(name + "_scan.labels.txt").write_text("".join("%d\n" % c for c in [SKIN] * 4 + [worn] * 2))
+            scan.with_name(name + "_scan.labels.txt").write_text("".join("%d\n" % c for c in (worn, SKIN, worn, SKIN, worn, worn)))
         (self.folder / "env").mkdir()
         for name, value in (("dawn", (200, 128, 64, 129)), ("noon", (128, 128, 128, 130)), ("dusk", (60, 90, 200, 128))):
             write_hdr(self.folder / "env" / (name + ".hdr"), value=value)
