@@ -91,6 +91,18 @@ TEST(Plan, EveryPersonIsInOneShard) {
   EXPECT_THROW(parse_shard("1"), InputError);
 }
 
+TEST(Plan, ALibraryOfEnvironmentsIsAFolderOfThem) {
+  const PlanFolder folder;
+  folder.write("lib/envmaps.xml", "<environments/>");
+  folder.write("lib/contact_sheet.exr", "x");
+  folder.write("lib/envmaps/storm.exr", "x");
+  folder.write("lib/envmaps/calm.exr", "x");
+  const Plan plan =
+      read_plan(folder.plan(std::string(kPerson) + R"(<environments id="e" folder="lib"/>)" + kViews));
+  ASSERT_EQ(plan.pools[0].environments.size(), 2u);
+  EXPECT_EQ(plan.pools[0].environments[1].name, "storm");
+}
+
 TEST(Plan, TheBundledOneIsRead) {
   const Plan plan = read_plan(fs::path(OHB_SOURCE_DIR) / "assets/plans/small.xml");
   EXPECT_EQ(plan.people.size(), 1u);
