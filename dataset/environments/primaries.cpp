@@ -71,7 +71,13 @@ bool are_primaries(const Chromaticities& c) {
 
 std::optional<Chromaticities> stated_chromaticities(const std::filesystem::path& file) {
   if (!Imf::isOpenExrFile(file.c_str())) return std::nullopt;
-  const Imf::MultiPartInputFile input(file.c_str(), 0, false);
+  std::optional<Imf::MultiPartInputFile> opened;
+  try {
+    opened.emplace(file.c_str(), 0, false);
+  } catch (const std::exception& error) {
+    throw InputError(file.string(), "", std::string("is a damaged EXR: ") + error.what(), "export it again");
+  }
+  const Imf::MultiPartInputFile& input = *opened;
   const auto* stated = input.header(0).findTypedAttribute<Imf::ChromaticitiesAttribute>("chromaticities");
   if (!stated) return std::nullopt;
   const Imf::Chromaticities& c = stated->value();

@@ -111,6 +111,7 @@ class Fixture:
             del named["label refine"]
         if Programs.learner:
             h = "humanmaterial"
+            named["export"] = [o, "export", f / "samples", "--png", "-o", output]
             named.update({
                 "train": [h, "train", "geometry", "--data", f / "samples", "--size", 64, "--width", 1 if heavy else 0.05,
                           "--batch", 256 if heavy else 1, "--steps", 50 if heavy else 1, "-o", output],

@@ -5,11 +5,15 @@
 #include "dataset/commands/inspect.h"
 #include "dataset/commands/label.h"
 #include "dataset/commands/label_serve.h"
+#include "dataset/environments/library.h"
+#include "dataset/environments/panorama.h"
+#include "dataset/exports/sample_index.h"
 #include "dataset/labelling/strokes.h"
 #include "dataset/model/environment.h"
 #include "dataset/model/material_table.h"
 #include "dataset/model/model.h"
 #include "dataset/model/sample.h"
+#include "dataset/model/sample_listing.h"
 #include "dataset/model/scan_unit.h"
 #include "dataset/studies/bake_stress.h"
 #include "dataset/studies/stress.h"
@@ -50,6 +54,15 @@ constexpr const char* kServeLines =
     "{\"id\":2,\"do\":\"undo\"}\n{\"id\":3,\"do\":\"save\",\"file\":\"\"}\n{\"do\":\"undo\",\"id\":[[[[]]]]}"
     "\n";
 
+constexpr const char* kEnvironments =
+    "<environments version=\"1\" radiance=\"linear\">\n<environment id=\"a-1_b\" category=\"imported\" "
+    "licence=\"CC0-1.0\" source=\"\" origin=\"a.exr\" made_from=\"import 1\" sha256=\"00\" bytes=\"12\" "
+    "width=\"64\" values=\"half\" mean_r=\".5\" mean_g=\".5\" mean_b=\".5\" peak=\"2e3\" brightest_x=\"0\" "
+    "brightest_y=\"1\" brightest_z=\"0\" mended_nan=\"0\" mended_infinite=\"0\" mended_negative=\"0\"/>\n"
+    "</environments>\n";
+constexpr const char* kDataset =
+    "<dataset schema=\"1\" name=\"d\">\n<people>\n<person id=\"ann\" split=\"train\" sex=\"female\" "
+    "views=\"v\" sets=\"1\" planned_sets=\"1\"/>\n</people>\n</dataset>\n";
 std::string obj_text() {
   return "mtllib m.mtl\ng body\nusemtl a\n" + std::string(kQuadObj) +
          "vn 0 0 1\nv 2 0 0 1 .5 .25\nv 2 1 0 1 1 1\nf -1/-1/1 -2/-2/1 -3/-3/1\nf 1/1 2/2 5/2 6/3 3/3\n";
@@ -83,6 +96,10 @@ FuzzedReader picture_reader(const std::string& name, const std::string& file, co
               throw std::logic_error("probe_image and read_image differ");
             try {
               read_image_bytes(read_file(folder / file), "embedded");
+            } catch (const InputError&) {
+            }
+            try {
+              environments::read_panorama(folder / file);
             } catch (const InputError&) {
             }
             read_environment(folder / file);
@@ -205,6 +222,21 @@ void add_outputs(const fs::path& scratch, std::vector<FuzzedReader>& readers) {
       {"Sample", {{"view.exr", read_file(scratch / "view.exr")}}, 1, [](const fs::path& folder) {
          read_sample(folder / "view.exr");
        }});
+  readers.push_back({"Environments", {{"envmaps.xml", kEnvironments}}, 1, [](const fs::path& folder) {
+                       environments::read_library(folder);
+                     }});
+  const std::string identity = identity_of({{"ohb:human", "ann"}});
+  sample.attributes = {{"ohb:human", "ann"}, {"ohb:identity", identity}, {"ohb:view", "0"}};
+  write_sample(scratch / "listed.exr", sample);
+  const std::string listing = "{\"identity\": \"" + identity +
+                              "\", \"settings\": {\"ohb:human\": \"ann\"}, \"views\": [{\"file\": "
+                              "\"view_000.exr\"}]}";
+  readers.push_back({"Dataset",
+                     {{"dataset.xml", kDataset},
+                      {"v/render.json", listing},
+                      {"v/view_000.exr", read_file(scratch / "listed.exr")}},
+                     3,
+                     [](const fs::path& folder) { exports::index_samples(folder); }});
 }
 
 void add_catalogues(std::vector<FuzzedReader>& readers) {
