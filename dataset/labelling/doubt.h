@@ -17,7 +17,7 @@ struct SuggestedStroke {
 };
 
 /// Below this probability of being right a label is in doubt.
-constexpr float kDoubtful = 0.95f;
+constexpr float kDoubtful = 0.8f;
 
 /// Of each face: log odds of its own part (skin, hair, or garment: fabric and leather together) against the
 /// other parts, from the faces' own costs (exp(-cost / area)), within kMostLead; below 0 where the neighbours

@@ -6,40 +6,45 @@
 namespace ohb::labelling {
 namespace {
 
-constexpr float kTold = 0.995f;  // of a garment that a stroke names
-constexpr float kOwnLook = 9;    // look_difference of a stroke that speaks for the garment it lies on
-constexpr float kOwnVariation = 2;
-constexpr float kHanging = 0.8f;  // of what hangs from the hair, looks like it and is no large garment
-constexpr float kHairLook = 4, kHangingArea_share = 0.2f, kHangingWidth_heads = 1.2f;
+constexpr float kTold = 0.995f;      // of a garment that a stroke names
+constexpr float kException = 0.02f;  // how likely a stroke is to speak of its place alone
+/// Nobody paints a garment by chance: a class has at least this chance once it is painted.
+constexpr float kLeastChance = 0.05f;
+constexpr float kTelling_cm2 = 6;  // a stroke on less is a correction and tells less
+constexpr float kAnswer = 3;       // votes of a stroke through the garment's middle
 
-struct HairTouch {
-  float border_cm = 0, away_cm = 0;  // with hair; mean distance from the head's axis
+/// What one stroke covers of one garment.
+struct Cover {
+  float area_cm2 = 0;
+  Appearance look = Appearance::Zero();
+  bool is_middle = false;
 };
 
-std::vector<HairTouch> touches_of(const FaceGraph& graph, const Garments& garments, const BodyFrame& frame,
-                                  const std::vector<uint8_t>& part) {
-  std::vector<HairTouch> touches(garments.garments.size());
-  for (const FaceEdge& edge : graph.edges)
-    for (const auto& [f, other] : {std::pair(edge.a, edge.b), std::pair(edge.b, edge.a)})
-      if (garments.of_face[f] != Garments::kNone && part[other] == kHair)
-        touches[garments.of_face[f]].border_cm += edge.length_cm;
-  for (size_t f = 0; f < graph.size(); ++f)
-    if (garments.of_face[f] != Garments::kNone)
-      touches[garments.of_face[f]].away_cm +=
-          graph.area_cm2[f] / garments.garments[garments.of_face[f]].area_cm2 *
-          std::hypot(graph.centre_cm[f].x - frame.head_x_cm, graph.centre_cm[f].z - frame.head_z_cm);
-  return touches;
+std::vector<Cover> covers_of(const Stroke& stroke, const FaceFeatures& features, double unit_cm,
+                             const Garments& garments, float& all_cm2) {
+  std::vector<Cover> covers(garments.garments.size());
+  for (uint32_t f : faces_of_stroke(stroke, features.graph, unit_cm)) {
+    const float area = features.graph.area_cm2[f];
+    all_cm2 += area;
+    if (garments.of_face[f] == Garments::kNone) continue;
+    Cover& cover = covers[garments.of_face[f]];
+    cover.area_cm2 += area;
+    cover.look += area * features.appearance[f];
+    if (f == garments.garments[garments.of_face[f]].face) cover.is_middle = true;
+  }
+  for (Cover& cover : covers)
+    if (cover.area_cm2 > 0) cover.look /= cover.area_cm2;
+  return covers;
 }
 
-Appearance look_of_hair(const FaceFeatures& features, const std::vector<uint8_t>& part) {
-  Appearance sum = Appearance::Zero();
-  float area = 0;
-  for (size_t f = 0; f < part.size(); ++f) {
-    if (part[f] != kHair) continue;
-    sum += features.graph.area_cm2[f] * features.appearance[f];
-    area += features.graph.area_cm2[f];
-  }
-  return area > 0 ? Appearance(sum / area) : Appearance::Constant(1e4f);
+/// How much a stroke speaks for the whole garment: nothing where an exception at its place is likelier.
+float vote_of(const Cover& cover, float all_cm2, const Garment& garment, float chance,
+              uint8_t material_class) {
+  if (cover.is_middle) return kAnswer;
+  if (!(cover.area_cm2 > 0.5f * all_cm2)) return 0;
+  if (garment.part == kFabric && material_class >= kFabric) chance = std::max(chance, kLeastChance);
+  const float like = std::exp(-0.5f * look_difference(cover.look, garment.look) / (1 + garment.variation));
+  return chance * like > kException ? like * std::min(1.0f, cover.area_cm2 / kTelling_cm2) : 0;
 }
 
 /// The area that an answer may be expected to mend.
@@ -49,51 +54,27 @@ double worth_cm2(const GarmentQuestion& question) {
 
 }  // namespace
 
-std::vector<ClassValues> garment_classes(const FaceFeatures& features, const Garments& garments,
-                                         const BodyFrame& frame, const std::vector<uint8_t>& part,
-                                         const LabelModel& model) {
-  const std::vector<HairTouch> touches = touches_of(features.graph, garments, frame, part);
-  const Appearance hair = look_of_hair(features, part);
-  float all_cm2 = 0;
-  for (float area : features.graph.area_cm2) all_cm2 += area;
-  std::vector<ClassValues> classes;
-  for (size_t g = 0; g < touches.size(); ++g) {
-    const Garment& garment = garments.garments[g];
-    const float leather = garment.is_shoe ? model.leather_shoes : model.leather_garments;
-    const bool is_hanging = touches[g].border_cm > 1 && look_difference(garment.look, hair) < kHairLook &&
-                            touches[g].away_cm < kHangingWidth_heads * frame.head_cm &&
-                            garment.area_cm2 < kHangingArea_share * all_cm2;
-    const float rest = is_hanging ? 1 - kHanging : 1;
-    classes.push_back({0, 1 - rest, rest * (1 - leather), rest * leather});
-  }
-  return classes;
-}
-
 void hear_strokes(const FaceFeatures& features, double unit_cm, const Garments& garments,
-                  const std::vector<Stroke>& strokes, std::vector<ClassValues>& classes) {
-  std::vector<std::array<bool, kClassCount>> told(classes.size(), {false, false, false, false});
+                  std::vector<Stroke> strokes, std::vector<ClassValues>& classes) {
+  std::stable_sort(strokes.begin(), strokes.end(),
+                   [](const Stroke& l, const Stroke& r) { return l.time_s < r.time_s; });
+  std::vector<ClassValues> votes(classes.size(), ClassValues{});
+  std::vector<uint8_t> told(classes.size(), kUnlabelled);
   for (const Stroke& stroke : strokes) {
-    std::vector<float> on_cm2(classes.size(), 0);  // each garment, where the stroke looks like it
-    std::vector<bool> is_middle(classes.size(), false);
-    float covered_cm2 = 0;
-    for (uint32_t f : faces_of_stroke(stroke, features.graph, unit_cm)) {
-      const uint32_t g = garments.of_face[f];
-      covered_cm2 += features.graph.area_cm2[f];
-      if (g == Garments::kNone) continue;
-      const Garment& garment = garments.garments[g];
-      if (f == garment.face) is_middle[g] = true;
-      if (look_difference(features.appearance[f], garment.look) <
-          kOwnLook + kOwnVariation * garment.variation)
-        on_cm2[g] += features.graph.area_cm2[f];
+    const uint8_t c = stroke.material_class;
+    float all_cm2 = 0;
+    const std::vector<Cover> covers = covers_of(stroke, features, unit_cm, garments, all_cm2);
+    for (size_t g = 0; g < covers.size(); ++g) {
+      const float vote = vote_of(covers[g], all_cm2, garments.garments[g], classes[g][c], c);
+      if (!(vote > 0)) continue;
+      if (covers[g].is_middle) votes[g] = {};  // a later answer counts
+      votes[g][c] += vote;
+      if (told[g] == kUnlabelled || votes[g][c] > votes[g][told[g]]) told[g] = c;
     }
-    for (size_t g = 0; g < classes.size(); ++g)
-      if (is_middle[g] || on_cm2[g] > 0.5f * covered_cm2) told[g][stroke.material_class] = true;
   }
-  for (size_t g = 0; g < classes.size(); ++g) {
-    if (std::count(told[g].begin(), told[g].end(), true) != 1) continue;
-    for (int c = 0; c < kClassCount; ++c)
-      classes[g][c] = told[g][c] ? kTold : (1 - kTold) / (kClassCount - 1);
-  }
+  for (size_t g = 0; g < classes.size(); ++g)
+    for (int c = 0; c < kClassCount && told[g] != kUnlabelled; ++c)
+      classes[g][c] = told[g] == c ? kTold : (1 - kTold) / (kClassCount - 1);
 }
 
 std::vector<GarmentQuestion> open_questions(const Garments& garments,
@@ -120,6 +101,21 @@ std::vector<GarmentQuestion> open_questions(const Garments& garments,
   std::stable_sort(questions.begin(), questions.end(),
                    [](const auto& l, const auto& r) { return l.area_cm2 > r.area_cm2; });
   return questions;
+}
+
+void say_as_labelled(const FaceGraph& graph, const Garments& garments,
+                     const std::vector<ClassValues>& classes, const std::vector<uint8_t>& face_class,
+                     std::vector<GarmentQuestion>& questions) {
+  std::vector<ClassValues> area_cm2(classes.size(), ClassValues{});
+  for (size_t f = 0; f < face_class.size(); ++f)
+    if (garments.of_face[f] != Garments::kNone)
+      area_cm2[garments.of_face[f]][face_class[f]] += graph.area_cm2[f];
+  for (GarmentQuestion& question : questions) {
+    const ClassValues& area = area_cm2[question.garment];
+    if (area[question.rival] <= area[question.now]) continue;
+    std::swap(question.now, question.rival);
+    question.probability = classes[question.garment][question.now];
+  }
 }
 
 }  // namespace ohb::labelling

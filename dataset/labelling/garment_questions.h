@@ -1,4 +1,4 @@
-// What garments may be made of, what strokes say of them as a whole, and what only the user can tell.
+// What strokes say of garments as a whole, and what only the user can tell.
 #pragma once
 
 #include <string>
@@ -10,7 +10,8 @@
 
 namespace ohb::labelling {
 
-/// The classes of a garment whose colour cannot tell them apart: "trousers, 9581 cm2: fabric or leather?"
+/// A garment (or skin or hair that may be one) whose class is a guess: "trousers, 9581 cm2: fabric or
+/// leather?"
 struct GarmentQuestion {
   std::string name;  // of the garment: short, and the same whatever else is answered
   size_t garment = 0;
@@ -21,20 +22,21 @@ struct GarmentQuestion {
 };
 constexpr size_t kMostQuestions = 4;
 
-/// Of each garment, before any stroke: leather or fabric by place, hair where it hangs from the hair and
-/// looks like it. `part`: kSkin, kHair or kFabric (a garment) of each face.
-std::vector<ClassValues> garment_classes(const FaceFeatures& features, const Garments& garments,
-                                         const BodyFrame& frame, const std::vector<uint8_t>& part,
-                                         const LabelModel& model);
-
-/// Sets the garments that strokes tell: those that lie on one, look like it, and agree.
+/// Sets the garments that strokes tell. A stroke speaks for the whole garment if it covers its middle, or if
+/// (chance of its class for this garment) x (likeness of its place with the garment) is above that of an
+/// exception; of several classes the one with more votes holds, a small stroke's being less, the first if
+/// equal.
 void hear_strokes(const FaceFeatures& features, double unit_cm, const Garments& garments,
-                  const std::vector<Stroke>& strokes, std::vector<ClassValues>& classes);
+                  std::vector<Stroke> strokes, std::vector<ClassValues>& classes);
 
 /// Those worth asking: where the answer may be expected to mend at least kWorthAsking of the area; the
 /// kMostQuestions that are worth most, the largest garment first.
 std::vector<GarmentQuestion> open_questions(const Garments& garments,
                                             const std::vector<ClassValues>& classes);
-constexpr float kWorthAsking = 0.0055f;
+/// Where the odds are near even the labels of the faces decide what a garment is now.
+void say_as_labelled(const FaceGraph& graph, const Garments& garments,
+                     const std::vector<ClassValues>& classes, const std::vector<uint8_t>& face_class,
+                     std::vector<GarmentQuestion>& questions);
+constexpr float kWorthAsking = 0.01f;
 
 }  // namespace ohb::labelling

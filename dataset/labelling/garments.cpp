@@ -21,6 +21,7 @@ struct Part {
   std::vector<uint32_t> faces;
   float area_cm2 = 0, height = 0, low = 1, high = 0;  // heights: shares of the person's
   Appearance look = Appearance::Zero();
+  uint8_t part = kFabric;
 };
 
 Place place_of(const Part& part, const BodyFrame& frame) {
@@ -74,27 +75,36 @@ Appearance look_around(const FaceFeatures& features, size_t f) {
   return Appearance(lab.x, lab.y, lab.z, features.appearance[f][3]);
 }
 
+/// Whether a face of skin or hair may be a garment's: heads wear none of their colour.
+bool is_below_head(Vec3f at, uint8_t part, const BodyFrame& frame) {
+  constexpr float kNeck_heads = 0.15f;
+  return frame.is_whole && at.y < frame.chin_cm - (part == kSkin ? kNeck_heads * frame.head_cm : 0);
+}
+
 std::vector<Part> connected_parts(const FaceFeatures& features, const std::vector<float>& likeness,
-                                  const BodyFrame& frame, const std::vector<bool>& is_garment) {
+                                  const BodyFrame& frame, const std::vector<uint8_t>& part, uint8_t own) {
+  std::vector<bool> is_in;
+  for (size_t f = 0; f < part.size(); ++f)
+    is_in.push_back(part[f] == own &&
+                    (own == kFabric || is_below_head(features.graph.centre_cm[f], own, frame)));
   std::vector<Appearance> look(features.size());
   float area = 0;
   for (size_t f = 0; f < look.size(); ++f) {
     look[f] = look_around(features, f);
     area += features.graph.area_cm2[f];
   }
-  RegionMerging regions(features.graph, likeness, is_garment, look);
+  RegionMerging regions(features.graph, likeness, is_in, look);
   regions.merge_below(kSeparate_cm);
   regions.merge_crumbs(kCrumb_share * area);
   std::map<uint32_t, Part> parts;
   for (uint32_t f = 0; f < features.size(); ++f)
-    if (is_garment[f]) parts[regions.region_of(f)].faces.push_back(f);
+    if (is_in[f]) parts[regions.region_of(f)].faces.push_back(f);
   std::vector<Part> all;
-  for (auto& [region, part] : parts) {
-    measure(features, frame, part);
-    all.push_back(std::move(part));
+  for (auto& [region, of] : parts) {
+    measure(features, frame, of);
+    of.part = own;
+    if (own == kFabric || of.area_cm2 > kCrumb_share * area) all.push_back(std::move(of));
   }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Part& l, const Part& r) { return l.area_cm2 > r.area_cm2; });
   return all;
 }
 
@@ -102,11 +112,14 @@ std::vector<Part> connected_parts(const FaceFeatures& features, const std::vecto
 void give_to_look_alikes(const FaceFeatures& features, Garments& found) {
   for (size_t f = 0; f < features.size(); ++f) {
     const uint32_t own = found.of_face[f];
-    if (own == Garments::kNone || found.garments[own].area_cm2 > kSmall_share * found.all_cm2) continue;
+    if (own == Garments::kNone || found.garments[own].part != kFabric ||
+        found.garments[own].area_cm2 > kSmall_share * found.all_cm2)
+      continue;
     const Appearance look = look_around(features, f);
     float nearest = std::min(1.0f, 0.5f * look_difference(look, found.garments[own].look));
     for (uint32_t g = 0; g < found.garments.size(); ++g) {
-      if (!(found.garments[g].area_cm2 > kSmall_share * found.all_cm2) || found.garments[own].is_shoe)
+      if (!(found.garments[g].area_cm2 > kSmall_share * found.all_cm2) || found.garments[own].is_shoe ||
+          found.garments[g].part != kFabric)
         continue;
       const float difference = look_difference(look, found.garments[g].look);
       if (difference >= nearest) continue;
@@ -123,7 +136,7 @@ std::vector<size_t> join_parts(const std::vector<Part>& parts, const BodyFrame& 
     joined[i] = i;
     for (size_t j = 0; j < i && joined[i] == i; ++j) {
       const Place place = place_of(parts[i], frame);
-      if (joined[j] == j && place == place_of(parts[j], frame) &&
+      if (joined[j] == j && parts[i].part == parts[j].part && place == place_of(parts[j], frame) &&
           (parts[i].height < kShoe_share || look_difference(parts[i].look, parts[j].look) < kAlike))
         joined[i] = j;
     }
@@ -158,8 +171,12 @@ uint32_t middle_of(const FaceGraph& graph, const std::vector<uint32_t>& faces) {
 }
 
 Garments find_garments(const FaceFeatures& features, const std::vector<float>& likeness,
-                       const BodyFrame& frame, const std::vector<bool>& is_garment) {
-  const std::vector<Part> parts = connected_parts(features, likeness, frame, is_garment);
+                       const BodyFrame& frame, const std::vector<uint8_t>& part) {
+  std::vector<Part> parts;
+  for (uint8_t own : {kSkin, kHair, kFabric})
+    for (Part& of : connected_parts(features, likeness, frame, part, own)) parts.push_back(std::move(of));
+  std::stable_sort(parts.begin(), parts.end(),
+                   [](const Part& l, const Part& r) { return l.area_cm2 > r.area_cm2; });
   const std::vector<size_t> joined = join_parts(parts, frame);
   std::vector<Part> whole(parts.size());
   for (size_t i = 0; i < parts.size(); ++i)
@@ -168,6 +185,7 @@ Garments find_garments(const FaceFeatures& features, const std::vector<float>& l
   for (size_t i = 0; i < whole.size(); ++i)
     if (!whole[i].faces.empty()) {
       measure(features, frame, whole[i]);
+      whole[i].part = parts[i].part;
       order.push_back(i);
     }
   std::stable_sort(order.begin(), order.end(),
@@ -183,6 +201,7 @@ Garments find_garments(const FaceFeatures& features, const std::vector<float>& l
     if (count > 1) garment.name += "-" + std::to_string(count);
     garment.area_cm2 = whole[i].area_cm2;
     garment.look = whole[i].look;
+    garment.part = whole[i].part;
     garment.is_shoe = place_of(whole[i], frame) == Place::kFeet;
     garment.face = middle_of(features.graph, parts[i].faces);
     for (uint32_t f : whole[i].faces) found.of_face[f] = static_cast<uint32_t>(found.garments.size());

@@ -1,11 +1,12 @@
 // The garments of a scan: pieces of the surface of one look, told apart by colour, creases and place, also on
-// one closed surface. Whether one is fabric or leather holds for the whole of it, and colour cannot say.
+// one closed surface. Whether one is fabric or leather holds for the whole of it, and colour cannot say. So
+// are pieces of bare skin and of hair below the head, which may be garments of that colour.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "dataset/labelling/label_model.h"
+#include "dataset/labelling/start_cues.h"
 
 namespace ohb::labelling {
 
@@ -16,23 +17,25 @@ struct Garment {
   Appearance look = Appearance::Zero();
   float variation = 0;  // mean look_difference of its faces
   bool is_shoe = false;
+  uint8_t part = kFabric;  // what it was found as: kSkin, kHair, or kFabric for a garment
 };
 
 struct Garments {
   static constexpr uint32_t kNone = 0xffffffffu;
   std::vector<Garment> garments;  // largest first
   double all_cm2 = 0;             // of the whole scan
-  std::vector<uint32_t> of_face;  // index of each face's garment; kNone for skin and hair
+  std::vector<uint32_t>
+      of_face;  // index of each face's garment; kNone for the head and crumbs of skin and hair
 };
 
-/// `is_garment`: of each face. Faces are merged to regions while
+/// `part`: of each face kSkin, kHair or kFabric (a garment). Faces of one part are merged to regions while
 ///   A B / (A + B) |difference of the looks|^2 / (length of their common border) < kSeparate_cm
 /// (Koepfler, Lopez and Morel, "A multiscale algorithm for image segmentation by variational method", SIAM J.
 /// Numer. Anal. 1994), looks in units of kLookWidth, the border shorter along creases and edges of colour;
 /// crumbs go to the neighbour that is most like them; then both shoes, both legs and what else lies at one
 /// height and looks alike is one garment, and faces of small ones that look like a large one are its.
 Garments find_garments(const FaceFeatures& features, const std::vector<float>& likeness,
-                       const BodyFrame& frame, const std::vector<bool>& is_garment);
+                       const BodyFrame& frame, const std::vector<uint8_t>& part);
 constexpr float kSeparate_cm = 1.5f;
 
 /// The face that most rings of faces separate from the outside of these connected faces.

@@ -70,12 +70,9 @@ LabelModel read_label_model(const std::filesystem::path& file) {
   LabelModel model;
   model.part_weights[kSkin] = weights_at(json, "skin", kCueNames, file);
   model.part_weights[kHair] = weights_at(json, "hair", kCueNames, file);
-  const std::array<float, 2> leather =
-      weights_at(json, "leather", std::array<const char*, 2>{"garments", "shoes"}, file);
-  for (float share : leather)
-    if (!(share > 0 && share < 1)) throw model_error(file, "leather", "is no share between 0 and 1");
-  model.leather_garments = leather[0];
-  model.leather_shoes = leather[1];
+  model.pieces.bare = weights_at(json, "bare", kBareCueNames, file);
+  model.pieces.hanging = weights_at(json, "hanging", kHangingCueNames, file);
+  model.pieces.leather = weights_at(json, "leather", kLeatherCueNames, file);
   if (!json.contains("calibration") || !json["calibration"].is_array() || json["calibration"].empty())
     throw model_error(file, "calibration", "is no list");
   for (const Json& knot : json["calibration"]) {
@@ -95,8 +92,9 @@ std::string label_model_json(const LabelModel& model) {
   Json json;
   json["skin"] = json_of(model.part_weights[kSkin], kCueNames);
   json["hair"] = json_of(model.part_weights[kHair], kCueNames);
-  json["leather"] = json_of(std::array<float, 2>{model.leather_garments, model.leather_shoes},
-                            std::array<const char*, 2>{"garments", "shoes"});
+  json["bare"] = json_of(model.pieces.bare, kBareCueNames);
+  json["hanging"] = json_of(model.pieces.hanging, kHangingCueNames);
+  json["leather"] = json_of(model.pieces.leather, kLeatherCueNames);
   json["calibration"] = Json::array();
   for (size_t i = 0; i < model.lead.size(); ++i)
     json["calibration"].push_back({{"lead", std::round(model.lead[i] * 1e3f) / 1e3},

@@ -1,5 +1,5 @@
-// What labelling has learned from labelled people: how much each cue counts, how often garments are leather,
-// and how sure a label really is. Fitted by tests/bench/label_robot --fit; stored in assets/label_model.json.
+// What labelling has learned from labelled people: how much each cue of a face and of a piece counts, and how
+// sure a label really is. Fitted by tests/bench/label_robot --fit; stored in assets/label_model.json.
 #pragma once
 
 #include <array>
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "dataset/labelling/piece_weights.h"
 #include "dataset/labelling/start_cues.h"
 
 namespace ohb::labelling {
@@ -18,10 +19,7 @@ using PartValues = std::array<float, kPartCount>;
 struct LabelModel {
   /// log p(part) = weights . cues + constant; the garment's are 0.
   std::array<Cues, kPartCount - 1> part_weights{};
-  /// How common leather is: of garments, of shoes. Colour says nothing more, leather is dyed as cloth is; and
-  /// eight people are too few to learn what else might. So these two are not fitted but counted, by
-  /// Laplace's rule: of their sixteen large garments one is leather, of their eight pairs of shoes six.
-  float leather_garments = 0.1f, leather_shoes = 0.7f;
+  PieceWeights pieces;
   /// How often labels are right by how much they lead: piecewise linear over the leads (log odds).
   std::vector<float> lead, right;
 };

@@ -25,6 +25,8 @@ constexpr size_t kMostSharpened = 10;
 constexpr float kStrokeShare = 4;   // what looks like a stroke against the start labels
 constexpr float kSureShare = 0.5f;  // faces below are not what their class looks like
 
+/// What garment a crumb is of is not known.
+constexpr ClassValues kElsewhere = {0, 0, 0.9f, 0.1f};
 /// A metric: hair borders skin softly, leather and hair hardly ever meet.
 constexpr std::array<std::array<float, kClassCount>, kClassCount> kClassDistance = {
     {{0, 0.8f, 1, 1}, {0.8f, 0, 1, 1.5f}, {1, 1, 0, 0.7f}, {1, 1.5f, 0.7f, 0}}};
@@ -64,38 +66,38 @@ void Labeller::find_parts() {
   for (const ClassValues& cost : energy.cost)
     part.push_back(static_cast<uint8_t>(std::min_element(cost.begin(), cost.end()) - cost.begin()));
   minimise(energy, part);
-  std::vector<bool> is_garment;
-  for (uint8_t p : part) is_garment.push_back(p == kFabric);
-  garments_ = find_garments(features_, likeness_, start_.frame, is_garment);
-  garment_classes_ = garment_classes(features_, garments_, start_.frame, part, model_);
+  garments_ = find_garments(features_, likeness_, start_.frame, part);
+  piece_cues_ = labelling::piece_cues(features_, garments_, start_.frame, part);
+  for (size_t g = 0; g < piece_cues_.size(); ++g)
+    garment_classes_.push_back(piece_classes(garments_.garments[g], piece_cues_[g], model_.pieces));
   for (const ClassValues& p : start_of_faces(garment_classes_))
     start_class_.push_back(static_cast<uint8_t>(std::max_element(p.begin(), p.end()) - p.begin()));
 }
 
 std::vector<ClassValues> Labeller::start_of_faces(const std::vector<ClassValues>& classes) const {
-  const float elsewhere = model_.leather_garments;
   std::vector<ClassValues> start = start_.probability;
   for (size_t f = 0; f < start.size(); ++f) {
     const uint32_t g = garments_.of_face[f];
-    const ClassValues made_of =
-        g == Garments::kNone ? ClassValues{0, 0, 1 - elsewhere, elsewhere} : classes[g];
-    const float garment = start_.probability[f][kFabric];
-    start[f][kFabric] = 0;
-    for (int c = 0; c < kClassCount; ++c) start[f][c] += garment * made_of[c];
+    const uint8_t own = g == Garments::kNone ? uint8_t{kFabric} : garments_.garments[g].part;
+    const ClassValues made_of = g == Garments::kNone ? kElsewhere : classes[g];
+    const float share = start[f][own];
+    start[f][own] = 0;
+    for (int c = 0; c < kClassCount; ++c) start[f][c] += share * made_of[c];
   }
   return start;
 }
 
-/// A garment's face is right if it is a garment and the garment is what it is said to be.
+/// A face is right if its part is, by its own costs and by its piece, and the garment is what it is said to
+/// be.
 void Labeller::trust_garments(const std::vector<ClassValues>& classes, Labelling& labels) const {
-  const float elsewhere = model_.leather_garments;
   for (size_t f = 0; f < labels.confidence.size(); ++f) {
     const uint8_t c = labels.face_class[f];
     const uint32_t g = garments_.of_face[f];
-    if (c != kFabric && c != kLeather) continue;
-    const float fabric = g == Garments::kNone ? 1 - elsewhere : classes[g][kFabric];
-    const float leather = g == Garments::kNone ? elsewhere : classes[g][kLeather];
-    labels.confidence[f] *= (c == kLeather ? leather : fabric) / std::max(fabric + leather, 1e-6f);
+    const ClassValues& of = g == Garments::kNone ? kElsewhere : classes[g];
+    const float garment = of[kFabric] + of[kLeather];
+    const float claim = c < kFabric ? of[c] : garment;
+    if (claim > 0.5f) labels.confidence[f] = std::min(labels.confidence[f], claim);
+    if (c >= kFabric) labels.confidence[f] *= of[c] / std::max(garment, 1e-6f);
   }
 }
 
@@ -234,6 +236,7 @@ Labelling Labeller::solve(const std::vector<Stroke>& strokes) {
   trust_garments(classes, result);
   for (uint32_t f : stroked.face) result.confidence[f] = 1;
   result.questions = open_questions(garments_, classes);
+  say_as_labelled(features_.graph, garments_, classes, face_class_, result.questions);
   result.suggested = suggest_stroke(features_.graph, energy, face_class_, result.confidence);
   result.warnings = stroked.warnings;
   return result;

@@ -14,6 +14,8 @@
 #include "dataset/labelling/doubt.h"
 #include "dataset/labelling/face_features.h"
 #include "dataset/labelling/garment_questions.h"
+#include "dataset/labelling/label_model.h"
+#include "dataset/labelling/piece_cues.h"
 #include "dataset/labelling/random_walker.h"
 #include "dataset/labelling/start_labels.h"
 #include "dataset/labelling/stroke_reach.h"
@@ -56,6 +58,7 @@ class Labeller {
   const FaceFeatures& features() const { return features_; }
   const StartLabels& start() const { return start_; }
   const Garments& garments() const { return garments_; }
+  const std::vector<PieceCues>& piece_cues() const { return piece_cues_; }
   double unit_cm() const { return unit_cm_; }
 
  private:
@@ -78,6 +81,7 @@ class Labeller {
   FaceFeatures features_;
   StartLabels start_;
   Garments garments_;
+  std::vector<PieceCues> piece_cues_;
   std::vector<ClassValues> garment_classes_;  // before any stroke
   std::vector<uint8_t> start_class_;          // the likeliest
   std::vector<float> likeness_;               // of the edges

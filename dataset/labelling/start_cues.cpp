@@ -58,6 +58,11 @@ float distance(Vec3f lab, const ColourSample& sample, float lightness, float hue
   return std::sqrt(d.x * d.x / (lightness * lightness) + (d.y * d.y + d.z * d.z) / (hue * hue));
 }
 
+/// 1 in the middle of a material, 0 beyond what it varies.
+float near_by(float deviations) {
+  return std::exp(-0.25f * deviations * deviations);
+}
+
 /// Colours that skin of any person has under white light: from pink to yellow, never grey.
 bool is_skin_locus(Vec3f lab) {
   const float hue = hue_degrees(lab);
@@ -185,7 +190,9 @@ Cues CueFinder::cues_of(uint32_t f) const {
           static_cast<float>(is_front),
           above_eyes,
           foot,
-          std::log(1 + features_.local_spread[f].x) / 3};
+          std::log(1 + features_.local_spread[f].x) / 3,
+          near_by(kFar * skin),
+          near_by(kFar * hair)};
 }
 
 StartCues CueFinder::run() {

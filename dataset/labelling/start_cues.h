@@ -22,7 +22,7 @@ struct BodyFrame {
 };
 BodyFrame body_frame(const FaceGraph& graph);
 
-constexpr int kCueCount = 12;
+constexpr int kCueCount = 14;
 using Cues = std::array<float, kCueCount>;
 /// In the order of Cues; the weights are stored by these names.
 constexpr std::array<const char*, kCueCount> kCueNames = {"one",
@@ -36,7 +36,9 @@ constexpr std::array<const char*, kCueCount> kCueNames = {"one",
                                                           "face",
                                                           "above_eyes",
                                                           "foot",
-                                                          "texture"};
+                                                          "texture",
+                                                          "skin_near",
+                                                          "hair_near"};
 
 struct StartCues {
   BodyFrame frame;

@@ -4,8 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <map>
+#include <numeric>
 #include <set>
 
+#include "dataset/model/atomic_file.h"
+#include "dataset/model/data_files.h"
+#include "dataset/model/json_text.h"
 #include "dataset/model/scan_unit.h"
 
 namespace ohb {
@@ -16,6 +22,7 @@ namespace {
 constexpr size_t kSampledFaces = 6000;  // of a scan
 constexpr double kPartRidge = 3e-4;     // against a mean log likelihood
 constexpr int kNewtonSteps = 12;
+constexpr double kPieceRidge = 0.002;  // against a mean log likelihood
 int part_of(uint8_t material_class) {
   return std::min<int>(material_class, kGarment);
 }
@@ -38,12 +45,92 @@ struct Newton {
   }
 };
 
+/// Weights of a logistic regression on soft targets.
+template <size_t N>
+struct Regression {
+  struct Row {
+    std::array<float, N> cues;
+    double target, weight;
+  };
+  std::vector<Row> rows;
+
+  std::array<float, N> solve() const {
+    std::array<float, N> weights{};
+    double total = 1e-9;
+    for (const Row& row : rows) total += row.weight;
+    for (int step = 0; step < kNewtonSteps; ++step) {
+      Eigen::Matrix<double, N, 1> gradient = Eigen::Matrix<double, N, 1>::Zero();
+      Eigen::Matrix<double, N, N> hessian = Eigen::Matrix<double, N, N>::Zero();
+      for (const Row& row : rows) {
+        Eigen::Matrix<double, N, 1> x;
+        for (size_t i = 0; i < N; ++i) x[i] = row.cues[i];
+        const double p = probability_of(weights, row.cues), share = row.weight / total;
+        gradient += share * (p - row.target) * x;
+        hessian += share * p * (1 - p) * (x * x.transpose());
+      }
+      for (size_t i = 0; i < N; ++i) {
+        gradient[i] += kPieceRidge * weights[i];
+        hessian(i, i) += kPieceRidge;
+      }
+      const Eigen::Matrix<double, N, 1> move = hessian.ldlt().solve(gradient);
+      for (size_t i = 0; i < N; ++i) weights[i] -= static_cast<float>(move[i]);
+    }
+    return weights;
+  }
+};
+
+/// The assets that the JSON beside a scan names as worn.
+std::set<std::string> garments_of(const std::filesystem::path& scan, bool& is_generated) {
+  std::set<std::string> garments;
+  std::filesystem::path recipe = scan, parts = scan;
+  recipe.replace_extension(".json");
+  std::string stem = scan.stem().string();
+  stem = stem.substr(0, stem.rfind('_'));
+  parts.replace_filename(stem + ".parts.json");
+  if (std::filesystem::exists(recipe)) {
+    const nlohmann::json json = parse_json<nlohmann::json>(read_file(recipe), recipe.string());
+    is_generated = json.contains("recipe");
+    if (is_generated)
+      for (const auto& worn : json["recipe"]["clothes"])
+        garments.insert(std::filesystem::path(worn["file"].get<std::string>()).parent_path().filename());
+  }
+  if (std::filesystem::exists(parts)) {
+    const nlohmann::json json = parse_json<nlohmann::json>(read_file(parts), parts.string());
+    for (const auto& part : json["parts"])
+      if (part.contains("asset")) garments.insert(part["asset"].get<std::string>());
+  }
+  return garments;
+}
+
+std::vector<PieceSample> piece_samples(const Labeller& labeller, const RobotHuman& human) {
+  const Garments& garments = labeller.garments();
+  std::vector<PieceSample> samples(garments.garments.size());
+  for (size_t f = 0; f < human.truth.size(); ++f)
+    if (garments.of_face[f] != Garments::kNone && human.truth[f] < kClassCount) {
+      samples[garments.of_face[f]].share[human.truth[f]] += human.area[f];
+      samples[garments.of_face[f]].weight += human.area[f];
+    }
+  double all = 0;
+  for (double area : human.area) all += area;
+  std::vector<PieceSample> kept;
+  for (size_t g = 0; g < samples.size(); ++g) {
+    if (!(samples[g].weight > 0)) continue;
+    for (double& share : samples[g].share) share /= samples[g].weight;
+    samples[g].weight = std::sqrt(samples[g].weight / all);
+    samples[g].piece = garments.garments[g];
+    samples[g].cues = labeller.piece_cues()[g];
+    kept.push_back(samples[g]);
+  }
+  return kept;
+}
+
 }  // namespace
 
 FitHuman prepare_fit(const RobotHuman& human) {
   FitHuman fit;
   fit.human = &human;
   fit.person = human.name.substr(0, human.name.find('_'));
+  fit.garments = garments_of(human.file, fit.is_generated);
   fit.unit_cm = guess_unit(human.scan).unit_cm.value_or(1);
   fit.features = face_features(human.scan, fit.unit_cm);
   fit.cues = start_cues(fit.features).cues;
@@ -73,6 +160,21 @@ void fit_parts(const std::vector<const FitHuman*>& humans, LabelModel& model) {
     for (int i = 0; i < Newton::kSize; ++i)
       model.part_weights[i / kCueCount][i % kCueCount] -= static_cast<float>(length * move[i]);
   }
+}
+
+PieceWeights fit_pieces(const std::vector<PieceSample>& samples) {
+  Regression<std::tuple_size_v<BareCues>> bare;
+  Regression<std::tuple_size_v<HangingCues>> hanging;
+  Regression<std::tuple_size_v<LeatherCues>> leather;
+  for (const PieceSample& of : samples) {
+    const double garment = of.share[kFabric] + of.share[kLeather], rest = garment + of.share[kHair];
+    if (of.piece.part == kSkin) bare.rows.push_back({of.cues.bare, of.share[kSkin], of.weight});
+    if (of.cues.may_be_hair && rest > 0.5)
+      hanging.rows.push_back({of.cues.hanging, of.share[kHair] / rest, of.weight});
+    if (of.piece.part == kFabric && garment > 0.7)
+      leather.rows.push_back({of.cues.leather, of.share[kLeather] / garment, of.weight});
+  }
+  return {bare.solve(), hanging.solve(), leather.solve()};
 }
 
 void fit_calibration(std::vector<LeadSample> samples, LabelModel& model) {
@@ -112,43 +214,72 @@ void fit_calibration(std::vector<LeadSample> samples, LabelModel& model) {
   }
 }
 
+namespace {
+
+/// Of each scan, which others may teach it.
+std::vector<std::vector<size_t>> teachers_of(const std::vector<FitHuman>& humans) {
+  std::map<std::string, std::set<std::string>> worn;
+  for (const FitHuman& human : humans)
+    worn[human.person].insert(human.garments.begin(), human.garments.end());
+  const auto shares = [&](const std::string& l, const std::string& r) {
+    return l == r || std::any_of(worn[l].begin(), worn[l].end(),
+                                 [&](const std::string& garment) { return worn[r].count(garment) > 0; });
+  };
+  std::vector<std::vector<size_t>> teachers(humans.size());
+  for (size_t i = 0; i < humans.size(); ++i)
+    for (size_t j = 0; j < humans.size(); ++j)
+      if (!shares(humans[i].person, humans[j].person)) teachers[i].push_back(j);
+  return teachers;
+}
+
+template <typename T>
+std::vector<T> gathered(const std::vector<std::vector<T>>& of, const std::vector<size_t>& indices) {
+  std::vector<T> all;
+  for (size_t i : indices) all.insert(all.end(), of[i].begin(), of[i].end());
+  return all;
+}
+
+std::vector<LeadSample> lead_samples(const Labelling& labels, const RobotHuman& human) {
+  double all = 0;
+  for (double area : human.area) all += area;
+  std::vector<LeadSample> samples;
+  for (size_t f = 0; f < labels.lead.size(); ++f)
+    if (human.truth[f] < kClassCount)
+      samples.push_back({labels.lead[f], static_cast<float>(human.area[f] / all),
+                         part_of(labels.face_class[f]) == part_of(human.truth[f])});
+  return samples;
+}
+
+}  // namespace
+
 std::vector<LabelModel> cross_validated_models(const std::vector<FitHuman>& humans, LabelModel& of_all) {
-  std::set<std::string> people;
-  for (const FitHuman& human : humans) people.insert(human.person);
-  std::vector<LabelModel> models(humans.size());
-  std::vector<std::vector<LeadSample>> leads(humans.size());
-  const auto others = [&](const std::string& person, const auto& add) {
-    for (size_t i = 0; i < humans.size(); ++i)
-      if (humans[i].person != person) add(i);
-  };
-  const auto finish = [&](const std::string& left_out, LabelModel& model) {
-    std::vector<LeadSample> lead;
-    others(left_out, [&](size_t i) { lead.insert(lead.end(), leads[i].begin(), leads[i].end()); });
-    fit_calibration(lead, model);
-  };
-  for (const std::string& person : people) {
+  const std::vector<std::vector<size_t>> teachers = teachers_of(humans);
+  std::vector<size_t> everyone(humans.size());
+  std::iota(everyone.begin(), everyone.end(), size_t{0});
+  const auto fit_faces = [&](const std::vector<size_t>& from, LabelModel& model) {
     std::vector<const FitHuman*> training;
-    others(person, [&](size_t i) { training.push_back(&humans[i]); });
-    LabelModel model;
+    for (size_t i : from) training.push_back(&humans[i]);
     fit_parts(training, model);
-    for (size_t i = 0; i < humans.size(); ++i) {
-      if (humans[i].person != person) continue;
-      models[i] = model;
-      Labeller labeller(humans[i].features, humans[i].unit_cm, model);
-      const Labelling labels = labeller.solve({});
-      double all = 0;
-      for (double area : humans[i].human->area) all += area;
-      for (size_t f = 0; f < labels.lead.size(); ++f)
-        if (humans[i].human->truth[f] < kClassCount)
-          leads[i].push_back({labels.lead[f], static_cast<float>(humans[i].human->area[f] / all),
-                              part_of(labels.face_class[f]) == part_of(humans[i].human->truth[f])});
-    }
+  };
+  std::vector<LabelModel> models(humans.size());
+  std::vector<std::vector<PieceSample>> pieces(humans.size());
+  std::vector<std::vector<LeadSample>> leads(humans.size());
+  for (size_t i = 0; i < humans.size(); ++i) {
+    if (i > 0 && humans[i].person == humans[i - 1].person)
+      models[i] = models[i - 1];
+    else
+      fit_faces(teachers[i], models[i]);
+    pieces[i] = piece_samples(Labeller(humans[i].features, humans[i].unit_cm, models[i]), *humans[i].human);
   }
-  for (size_t i = 0; i < humans.size(); ++i) finish(humans[i].person, models[i]);
-  std::vector<const FitHuman*> training;
-  others("", [&](size_t i) { training.push_back(&humans[i]); });
-  fit_parts(training, of_all);
-  finish("", of_all);
+  for (size_t i = 0; i < humans.size(); ++i) {
+    models[i].pieces = fit_pieces(gathered(pieces, teachers[i]));
+    Labeller labeller(humans[i].features, humans[i].unit_cm, models[i]);
+    leads[i] = lead_samples(labeller.solve({}), *humans[i].human);
+  }
+  for (size_t i = 0; i < humans.size(); ++i) fit_calibration(gathered(leads, teachers[i]), models[i]);
+  fit_faces(everyone, of_all);
+  of_all.pieces = fit_pieces(gathered(pieces, everyone));
+  fit_calibration(gathered(leads, everyone), of_all);
   return models;
 }
 

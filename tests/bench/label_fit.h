@@ -1,7 +1,9 @@
 // Fits what labelling learns from labelled people (dataset/labelling/label_model.h). The person of a scan is
-// its name up to the first "_", so that all forms of one person are in one fold.
+// its name up to the first "_", so that all forms of one person are in one fold; and whoever wears one of the
+// person's garments is left out with the person.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,6 +18,8 @@ using namespace surface;
 struct FitHuman {
   const RobotHuman* human = nullptr;
   std::string person;
+  std::set<std::string> garments;  // names of the assets worn, by the scan's JSON (or x.parts.json)
+  bool is_generated = false;       // by `openhumanbrdf people`: its JSON has a recipe
   double unit_cm = 1;
   FaceFeatures features;
   std::vector<Cues> cues;
@@ -31,10 +35,19 @@ struct LeadSample {
 /// Softmax of the parts by Newton's method, each person of the same weight, with a ridge that keeps cues that
 /// separate the people fully within reason.
 void fit_parts(const std::vector<const FitHuman*>& humans, LabelModel& model);
+/// A piece, and the shares of its area by class.
+struct PieceSample {
+  Garment piece;
+  PieceCues cues;
+  std::array<double, kClassCount> share{};
+  double weight = 0;
+};
+/// Logistic regressions with a ridge; a piece counts by the root of its area.
+PieceWeights fit_pieces(const std::vector<PieceSample>& samples);
 /// The share that is right, ascending with the lead (pool adjacent violators), at up to 12 knots.
 void fit_calibration(std::vector<LeadSample> samples, LabelModel& model);
 
-/// The model of each scan, fitted without its person.
+/// The model of each scan, fitted without its person and without those who share a garment.
 std::vector<LabelModel> cross_validated_models(const std::vector<FitHuman>& humans, LabelModel& of_all);
 
 }  // namespace ohb

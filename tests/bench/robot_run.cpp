@@ -12,7 +12,7 @@ using namespace commands;
 using namespace labelling;
 using namespace surface;
 RobotHuman read_robot_human(const std::filesystem::path& file) {
-  RobotHuman human{file.stem().string(), read_scan(file), {}, {}};
+  RobotHuman human{file.stem().string(), read_scan(file), {}, {}, file};
   std::filesystem::path labels = file;
   labels.replace_extension(".labels.txt");
   human.truth = read_face_classes(labels, human.scan.face_count(), class_order_of(labels, file));

@@ -18,6 +18,7 @@ struct RobotHuman {
   Scan scan;
   std::vector<uint8_t> truth;
   std::vector<double> area;
+  std::filesystem::path file;
 };
 
 /// x.obj with x.labels.txt beside it. Throws as read_scan and read_face_classes.

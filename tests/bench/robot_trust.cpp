@@ -84,14 +84,18 @@ void measure_trust(const std::vector<RobotHuman>& humans, const std::string& fit
     models = cross_validated_models(fits, of_all);
     write_file_atomically(fitted, label_model_json(of_all));
   }
-  std::vector<RobotTrust> people;
+  std::array<std::vector<RobotTrust>, 2> groups;
   for (size_t i = 0; i < humans.size(); ++i) {
+    std::vector<RobotTrust>& people = groups[fits[i].is_generated];
     Labeller labeller(std::move(fits[i].features), fits[i].unit_cm, models[i]);
     people.push_back(measure(humans[i], labeller));
     std::printf("%s\n", trust_line(people.back()).c_str());
     std::fflush(stdout);
   }
-  std::printf("%s", trust_text(people).c_str());
+  for (const std::vector<RobotTrust>& people : groups)
+    if (!people.empty())
+      std::printf("\n%zu scans%s\n%s", people.size(), &people == &groups[1] ? ", generated people" : "",
+                  trust_text(people).c_str());
 }
 
 double border_error_mm(const FaceGraph& graph, const std::vector<uint8_t>& face_class,
@@ -163,23 +167,26 @@ std::string trust_line(const RobotTrust& of) {
 }
 
 std::string trust_text(const std::vector<RobotTrust>& people) {
-  std::vector<double> right, answered, questions, undoubted;
+  std::vector<double> right, answered, questions, undoubted, doubt;
   for (const RobotTrust& of : people) {
     right.push_back(of.accuracy);
     answered.push_back(of.answered);
     questions.push_back(static_cast<double>(of.questions));
+    doubt.push_back(of.in_doubt);
     undoubted.push_back(1 - of.accuracy - of.in_doubt);
   }
-  for (auto* values : {&right, &answered, &questions, &undoubted}) std::sort(values->begin(), values->end());
+  for (auto* values : {&right, &answered, &questions, &undoubted, &doubt})
+    std::sort(values->begin(), values->end());
   const auto median = [](const std::vector<double>& v) {
     return 0.5 * (v[(v.size() - 1) / 2] + v[v.size() / 2]);
   };
   return fmt::format(
-             "right {:.2f} % (median), {:.2f} % (worst); wrong less in doubt at most {:.2f} %; questions "
+             "right {:.2f} % (median), {:.2f} % (worst); in doubt {:.2f} % (median); wrong less in doubt at "
+             "most {:.2f} %; questions "
              "{:.1f} "
              "(median), {:.0f} (most); answered {:.2f} % (median), {:.2f} % (worst)\n",
-             100 * median(right), 100 * right.front(), 100 * undoubted.back(), median(questions),
-             questions.back(), 100 * median(answered), 100 * answered.front()) +
+             100 * median(right), 100 * right.front(), 100 * median(doubt), 100 * undoubted.back(),
+             median(questions), questions.back(), 100 * median(answered), 100 * answered.front()) +
          reliability_text(mean_reliability(people));
 }
 

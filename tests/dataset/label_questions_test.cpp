@@ -46,6 +46,7 @@ const GarmentQuestion* question_at(const Labelling& labels, const Labeller& labe
 TEST(LabelQuestions, LeatherTrousersOfAnyColourAreAskedAboutAndOneAnswerTellsThem) {
   const Vec3f colours[] = {
       {0.10f, 0.08f, 0.07f}, {0.05f, 0.05f, 0.05f}, {0.85f, 0.84f, 0.82f}, {0.55f, 0.08f, 0.08f}};
+  double least = 1;
   for (const Vec3f& colour : colours) {
     TubePerson person;
     make_tube_person(48, 120, person);
@@ -57,7 +58,7 @@ TEST(LabelQuestions, LeatherTrousersOfAnyColourAreAskedAboutAndOneAnswerTellsThe
     ASSERT_TRUE(question) << colour.x;
     EXPECT_EQ(question->name, "trousers");
     EXPECT_NEAR(question->area_cm2, 78 * 2 * 3.1416 * 12, 400);
-    EXPECT_LT(labels.confidence[knee], kDoubtful);
+    EXPECT_LT(labels.confidence[knee], 0.96f) << "no look excludes leather";
     EXPECT_EQ(std::min(question->now, question->rival), kFabric);
     EXPECT_EQ(std::max(question->now, question->rival), kLeather);
     const Labelling answered = labeller.solve({stroke_of_answer(labeller, question->garment, kLeather)});
@@ -65,8 +66,9 @@ TEST(LabelQuestions, LeatherTrousersOfAnyColourAreAskedAboutAndOneAnswerTellsThe
     EXPECT_GT(answered.confidence[knee], kDoubtful);
     EXPECT_EQ(answered.face_class[chest], kFabric);
     EXPECT_GT(accuracy_of(answered, person), 0.97);
-    EXPECT_LT(accuracy_of(labels, person), 0.7) << "else this person shows nothing";
+    least = std::min(least, accuracy_of(labels, person));
   }
+  EXPECT_LT(least, 0.7) << "else these people show nothing";
 }
 
 TEST(LabelQuestions, ComeLargestFirstAndBothAnswersAreHeard) {
@@ -84,7 +86,7 @@ TEST(LabelQuestions, ComeLargestFirstAndBothAnswersAreHeard) {
   EXPECT_EQ(labeller.solve({stroke_of_answer(labeller, garment, kHair)}).face_class[face], kHair);
 }
 
-TEST(LabelQuestions, StrokesThatContradictEachOtherTellNoGarment) {
+TEST(LabelQuestions, AStrokeAgainstAnAnswerHoldsWhereItIs) {
   TubePerson person;
   make_tube_person(48, 120, person);
   Labeller labeller(person.scan, 1);
@@ -98,9 +100,41 @@ TEST(LabelQuestions, StrokesThatContradictEachOtherTellNoGarment) {
       wrong.points = {{f, graph.centre_cm[f]}};
   wrong.time_s = 1;
   const Labelling labels = labeller.solve({stroke_of_answer(labeller, first.garment, kLeather), wrong});
-  EXPECT_TRUE(question_at(labels, labeller, first.face));
   EXPECT_EQ(labels.face_class[first.face], kLeather);
   EXPECT_EQ(labels.face_class[wrong.points[0].face], kFabric);
+}
+
+/// The kind that turned a whole jacket: a small place of another class on a garment that is right.
+TEST(LabelQuestions, AStrokeInAPlaceThatLooksOtherwiseTurnsThatPlaceAlone) {
+  TubePerson person;
+  make_tube_person(48, 120, person);
+  dress(person, 40, 46, {0.75f, 0.15f, 0.15f}, kLeather);  // a belt of another colour around the knees
+  const uint32_t belt = 30 * 48 + 24, thigh = 45 * 48 + 24, shin = 20 * 48 + 24;
+  Labeller labeller(person.scan, 1);
+  const Labelling before = labeller.solve({});
+  Stroke stroke;
+  stroke.material_class = kLeather;
+  stroke.points = {{belt, labeller.features().graph.centre_cm[belt]}};
+  const Labelling after = labeller.solve({stroke});
+  EXPECT_EQ(before.face_class[thigh], kFabric);
+  EXPECT_EQ(after.face_class[belt], kLeather);
+  EXPECT_EQ(after.face_class[thigh], kFabric);
+  EXPECT_EQ(after.face_class[shin], kFabric);
+}
+
+/// Trousers of the wearer's skin colour were skin, and nobody asked.
+TEST(LabelQuestions, ClothesOfTheColourOfSkinAreAskedAbout) {
+  TubePerson person;
+  make_tube_person(48, 120, person);
+  dress(person, 7, 85, {0.70f, 0.50f, 0.38f}, kFabric);
+  Labeller labeller(person.scan, 1);
+  const Labelling labels = labeller.solve({});
+  const uint32_t knee = 30 * 48 + 24;
+  const GarmentQuestion* question = question_at(labels, labeller, knee);
+  ASSERT_TRUE(question);
+  const Labelling answered = labeller.solve({stroke_of_answer(labeller, question->garment, kFabric)});
+  EXPECT_EQ(answered.face_class[knee], kFabric);
+  EXPECT_GT(accuracy_of(answered, person), 0.95);
 }
 
 TEST(LabelModel, CalibrationIsLinearBetweenItsKnotsAndHoldsItsEnds) {
@@ -147,10 +181,8 @@ TEST(LabelModel, ReadsWhatItWroteAndRefusesWhatIsNoModel) {
   json["calibration"].front()["right"] = 1.5;
   refused(json, {"calibration", "ascend"});
   json = nlohmann::json::parse(text);
-  json["leather"]["shoes"] = "often";
-  refused(json, {"shoes", "no number"});
-  json["leather"]["shoes"] = 1.5;
-  refused(json, {"leather", "share"});
+  json["leather"]["shoe"] = "often";
+  refused(json, {"shoe", "no number"});
   refused(nlohmann::json::array(), {"object"});
 }
 

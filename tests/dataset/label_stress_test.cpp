@@ -18,7 +18,7 @@ TEST(LabelStress, CasesAreWithinTheirLimitsAndTheLimitsBite) {
     const float y = person.scan.positions[person.scan.corners[person.scan.face_begin[f]].position].y;
     if (y < 85) person.truth[f] = kLeather;
   }
-  const RobotHuman human{"tube", person.scan, person.truth, face_areas(person.scan)};
+  const RobotHuman human{"tube", person.scan, person.truth, face_areas(person.scan), {}};
   std::vector<RobotStressCase> cases =
       read_robot_stress(std::filesystem::path(OHB_SOURCE_DIR) / "assets/stress/label_catalogue.json");
   ASSERT_EQ(cases.size(), 3u);

@@ -1,0 +1,108 @@
+#include "dataset/labelling/piece_cues.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ohb::labelling {
+namespace {
+
+constexpr float kLightness = 12, kHue = 6;  // what one material varies under shading
+constexpr float kFar = 3;
+constexpr float kLeastLeather = 0.05f;  // leather is dyed and embossed as cloth is: no look excludes it
+
+/// Mean over faces, by area.
+struct Mean {
+  Appearance look = Appearance::Zero();
+  float print = 0, behind_cm = 0, area_cm2 = 0;  // print: spread of a* and b* around a face, logarithmic
+
+  void add(const FaceFeatures& features, const BodyFrame& frame, uint32_t f) {
+    const float area = features.graph.area_cm2[f];
+    const Vec3f at = features.graph.centre_cm[f], spread = features.local_spread[f];
+    area_cm2 += area;
+    look += area * features.appearance[f];
+    print += area * std::log(1 + std::hypot(spread.y, spread.z));
+    behind_cm += area * (frame.head_z_cm - at.z);
+  }
+  void finish() {
+    const float area = std::max(area_cm2, 1e-6f);
+    look /= area;
+    print /= area;
+    behind_cm /= area;
+  }
+};
+
+float lightness_between(const Appearance& l, const Appearance& r) {
+  return std::min(kFar, std::abs(l[0] - r[0]) / kLightness);
+}
+float hue_between(const Appearance& l, const Appearance& r) {
+  return std::min(kFar, std::hypot(l[1] - r[1], l[2] - r[2]) / kHue);
+}
+
+/// Tanned hide: from dark to cognac.
+float brown(const Appearance& look) {
+  const float lightness = (look[0] - 28) / 14, a = (look[1] - 13) / 8, b = (look[2] - 17) / 9;
+  return std::exp(-0.5f * (lightness * lightness + a * a + b * b));
+}
+
+std::vector<float> hair_borders_cm(const FaceGraph& graph, const Garments& garments,
+                                   const std::vector<uint8_t>& part) {
+  std::vector<float> border_cm(garments.garments.size(), 0);
+  for (const FaceEdge& edge : graph.edges)
+    for (const auto& [f, other] : {std::pair(edge.a, edge.b), std::pair(edge.b, edge.a)})
+      if (garments.of_face[f] != Garments::kNone && part[other] == kHair && part[f] != kHair)
+        border_cm[garments.of_face[f]] += edge.length_cm;
+  return border_cm;
+}
+
+}  // namespace
+
+std::vector<PieceCues> piece_cues(const FaceFeatures& features, const Garments& garments,
+                                  const BodyFrame& frame, const std::vector<uint8_t>& part) {
+  Mean skin, hair;
+  std::vector<Mean> means(garments.garments.size());
+  for (uint32_t f = 0; f < features.size(); ++f) {
+    const bool is_head = features.graph.centre_cm[f].y > frame.chin_cm;
+    if (is_head && part[f] == kSkin) skin.add(features, frame, f);
+    if (is_head && part[f] == kHair) hair.add(features, frame, f);
+    if (garments.of_face[f] != Garments::kNone) means[garments.of_face[f]].add(features, frame, f);
+  }
+  skin.finish();
+  hair.finish();
+  const std::vector<float> border_cm = hair_borders_cm(features.graph, garments, part);
+  std::vector<PieceCues> all(means.size());
+  for (size_t g = 0; g < means.size(); ++g) {
+    Mean& mean = means[g];
+    mean.finish();
+    const Garment& piece = garments.garments[g];
+    const bool is_hair = piece.part == kHair;
+    all[g].may_be_hair = is_hair || (piece.part == kFabric && border_cm[g] > 1 && hair.area_cm2 > 0);
+    all[g].bare = {1, lightness_between(mean.look, skin.look), hue_between(mean.look, skin.look),
+                   mean.look[3] - skin.look[3]};
+    const float share = static_cast<float>(mean.area_cm2 / garments.all_cm2);
+    all[g].hanging = {1, static_cast<float>(is_hair),
+                      std::min(kFar, std::sqrt(look_difference(mean.look, hair.look))),
+                      std::clamp(2 * mean.behind_cm / frame.head_cm, -1.0f, 1.0f), std::min(1.0f, 4 * share)};
+    if (piece.is_shoe)  // leather or not, they look alike
+      all[g].leather = {0, 1};
+    else
+      all[g].leather = {1,
+                        0,
+                        mean.look[0] / 50 - 1,
+                        std::hypot(mean.look[1], mean.look[2]) / 30 - 1,
+                        std::clamp(mean.look[3] - 1, -1.0f, 1.0f),
+                        std::clamp(mean.print - 1, -1.0f, 1.0f),
+                        brown(mean.look)};
+  }
+  return all;
+}
+
+ClassValues piece_classes(const Garment& piece, const PieceCues& cues, const PieceWeights& weights) {
+  const float skin = piece.part == kSkin ? probability_of(weights.bare, cues.bare) : 0;
+  const float hair = cues.may_be_hair ? probability_of(weights.hanging, cues.hanging) : 0;
+  const float garment = (1 - skin) * (1 - hair);
+  const float leather =
+      std::clamp(probability_of(weights.leather, cues.leather), kLeastLeather, 1 - kLeastLeather);
+  return {skin, (1 - skin) * hair, garment * (1 - leather), garment * leather};
+}
+
+}  // namespace ohb::labelling
