@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Trains the weights of assets/weights and writes the tables of docs/results.md.
+# Trains the weights of assets/weights and writes the tables of docs/measurements/learner.md.
 set -euo pipefail
 
 if [ $# -lt 3 ] || [ "${1:-}" = "--help" ]; then
@@ -11,7 +11,7 @@ usage: train_open_weights.sh HUMANS OUT ENVIRONMENT.exr...
   ENVIRONMENT  latitude-longitude maps that the training views are lit by
 
 24 views x 128 x 128 px x 64 paths a person and light; every fourth person is held out. Three priors and the finetuning
-model at a quarter of the paper's width: 2.3 hours when it was measured (docs/results.md: one thread a run, on two busy
+model at a quarter of the paper's width: 2.3 hours when it was measured (docs/measurements/learner.md: one thread a run, on two busy
 cores), and the rendering before. THREADS (default: all) must stay the same for a resumed run to equal an
 uninterrupted one bit for bit.
 HELP

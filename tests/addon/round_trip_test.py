@@ -1,5 +1,5 @@
 """From a scan to Blender and back: a person is labelled, baked and rendered, and the sample's maps, relit in Blender,
-are the sample's picture to at least 29 dB (docs/blender.md has the exact figures, with less noise).
+are the sample's picture to at least 29 dB (docs/measurements/blender.md has the exact figures, with less noise).
 
     python3 round_trip_test.py PROGRAM BLENDER HUMANS ENVIRONMENT FOLDER
 

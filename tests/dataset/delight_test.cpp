@@ -103,7 +103,7 @@ double error_of(const Image& picture, const Bumps& bumps) {
   return std::sqrt(squares / count);
 }
 
-/// The figures of docs/commands/bake.md are in the test's XML report.
+/// The figures of docs/measurements/bake.md are in the test's XML report.
 struct Delit {
   DelightReport report;
   double before, after;
