@@ -107,7 +107,6 @@ nlohmann::ordered_json borders_json(const labelling::TexelLabels::Summary& borde
   json["texels"] = borders.texels;
   json["changed_cm2"] = borders.changed_cm2;
   json["shift_mm"] = borders.shift_mm();
-  json["seconds"] = borders.seconds;
   return json;
 }
 
@@ -116,9 +115,9 @@ std::string borders_text(const labelling::TexelLabels::Summary& borders) {
   return fmt::format(
       "  borders follow the picture: {:.0f} cm2 changed class within {:.1f} mm of {:.0f} cm of borders, "
       "{:.2f} mm "
-      "in the mean ({} texels of {:.2f} mm, {:.1f} s)\n",
+      "in the mean ({} texels of {:.2f} mm)\n",
       borders.changed_cm2, 10 * borders.band_cm, borders.border_cm, borders.shift_mm(), borders.texels,
-      10 * borders.texel_cm, borders.seconds);
+      10 * borders.texel_cm);
 }
 
 std::string truth_text(const TruthComparison& truth) {

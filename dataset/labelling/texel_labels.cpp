@@ -3,7 +3,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -313,9 +312,7 @@ class TexelSolve {
 TexelLabels::TexelLabels(const Scan& scan, double unit_cm, const std::vector<uint8_t>& face_class,
                          const std::vector<bool>& fixed_faces, bool only_if_coarse)
     : face_class_(face_class) {
-  const auto start = std::chrono::steady_clock::now();
   TexelSolve(scan, unit_cm, *this, fixed_faces).run(only_if_coarse);
-  summary_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 uint8_t TexelLabels::class_at(size_t material, uint32_t face, double x, double y, Vec3f point_cm) const {

@@ -38,7 +38,6 @@ class TexelLabels {
     double border_cm = 0;    // length of the borders between faces
     uint64_t texels = 0;     // in the band
     double changed_cm2 = 0;  // that left the class of their face
-    double seconds = 0;
 
     /// Mean way of the borders.
     double shift_mm() const { return border_cm > 0 ? 10 * changed_cm2 / border_cm : 0; }

@@ -11,6 +11,7 @@ import signal
 import subprocess
 import time
 import unittest
+from pathlib import Path
 
 from dataset_support import BAD_INPUT, DIFFERENCE, DONE, MATERIALS, PROGRAM, TRY_AGAIN, Production, tree, write_hdr
 
@@ -108,6 +109,16 @@ class SameBytes(Production):
             output = shard.communicate(timeout=120)[0]
             self.assertEqual(shard.returncode, DONE, output)
         self.assertEqual(tree(self.folder / "three"), whole)
+
+    def test_automatic_labels(self):
+        person = Path(__file__).resolve().parents[2] / "assets/example_human/example_human.glb"
+        self.plan.write_text(
+            '<plan schema="1" name="auto"><maps size_px="64"/><person id="a" scan="%s" labels="auto" split="train"/>'
+            '<views split="train" count="2" size_px="32" error="0.5" max_spp="64" subsurface="diffuse" model="v2">'
+            '<point x_cm="100" y_cm="200" z_cm="200" intensity="5"/></views></plan>' % person)
+        self.produce()
+        self.produce(out=self.folder / "again")
+        self.assertEqual(tree(self.folder / "again"), tree(self.out))
 
     def test_after_random_kills(self):
         self.write_plan(views=8, size=64, spp=16)
