@@ -112,6 +112,26 @@ def wrong_namespaces(root):
     return wrong
 
 
+def wrong_in_readme(root):
+    """One line for each library whose folder or uses README's table does not have as CMake links them."""
+    all_of = libraries(root)
+    folder_of_target = {library.target: library.folder for library in all_of}
+    uses = {}
+    for library in all_of:
+        linked = uses.setdefault(library.folder, set())
+        linked |= {folder_of_target[t] for t in library.public + library.private if t in folder_of_target}
+    table = read(root / "README.md").split("| folder | holds | uses |")[-1].split("\n\n")[0]
+    rows = re.findall(r"^\| `([\w/]+)` \|.*\| ([^|]*) ?\|$", table, re.M)
+    told = {folder: set(re.findall(r"`([\w/]+)`", words)) for folder, words in rows}
+    wrong = []
+    for folder, linked in uses.items():
+        linked.discard(folder)
+        if told.get(folder) != linked:
+            wrong.append("README.md: `%s` uses %s, and is said to use %s"
+                         % (folder, sorted(linked), sorted(told.get(folder, {"nothing: it has no row"}))))
+    return wrong
+
+
 STATEMENT = re.compile(r"^( *)(?!(?:namespace|struct|class|enum|union|extern|if|for|while|switch|else|do|try|case|return|using|"
                        r"public|private|default|template|const auto|auto)\b|[}#:/])\S")
 BODY = re.compile(r"\)( const| noexcept| override| final| mutable)*( -> [\w:<>]+)? \{$|\)\s*:.*\{$")

@@ -10,6 +10,7 @@ from pathlib import Path
 import structure
 
 ROOT = Path(sys.argv.pop(1)).resolve() if len(sys.argv) > 1 else Path(__file__).resolve().parents[2]
+HEAD = "| folder | holds | uses |\n|---|---|---|\n"
 MOST_LONG_FUNCTIONS = 10    # above 40 lines
 
 
@@ -19,6 +20,9 @@ class Tree(unittest.TestCase):
 
     def test_includes_follow_the_link_graph(self):
         self.nothing(structure.wrong_includes(ROOT))
+
+    def test_readme_says_what_links_what(self):
+        self.nothing(structure.wrong_in_readme(ROOT))
 
     def test_each_library_has_a_namespace_of_its_own(self):
         self.nothing(structure.wrong_namespaces(ROOT))
@@ -40,7 +44,7 @@ class Planted(unittest.TestCase):
             (self.root / top).mkdir()
 
     def write(self, name, text):
-        (self.root / name).parent.mkdir(exist_ok=True)
+        (self.root / name).parent.mkdir(parents=True, exist_ok=True)
         (self.root / name).write_text(text)
 
     def test_a_tree_in_order_is_clean(self):
@@ -60,6 +64,12 @@ class Planted(unittest.TestCase):
     def test_a_link_upwards(self):
         self.write("low/CMakeLists.txt", "add_library(low_lib STATIC x.cpp)\ntarget_link_libraries(low_lib PUBLIC high_lib)\n")
         self.assertEqual(len(structure.wrong_includes(self.root)), 1)
+
+    def test_a_readme_that_is_behind(self):
+        self.write("README.md", HEAD + "| `low` | holds | |\n| `side` | holds | `low` |\n| `high` | holds | `low` |\n")
+        self.assertEqual(structure.wrong_in_readme(self.root), [])
+        self.write("README.md", HEAD + "| `low` | holds | |\n| `side` | holds | |\n")
+        self.assertEqual(len(structure.wrong_in_readme(self.root)), 2)
 
     def test_another_librarys_namespace(self):
         self.write("low/b.h", "namespace ohb::high {\n}\n")
