@@ -241,16 +241,20 @@ void claim_dataset(const fs::path& output) {
 /// The lock that says which plan is at work: shared by those of the same plan.
 std::unique_ptr<FileLock> lock_plan(const ProduceJob& job, const Layout& layout) {
   auto lock = std::make_unique<FileLock>(layout.locks() / ".plan", FileLock::Kind::kExclusive);
-  if (fs::exists(layout.state() / "plan.json") && read_dataset_plan(layout).sha256 == job.plan.sha256) {
+  const bool is_alone = lock->held();
+  if (!is_alone) {
     lock->share();
-  } else if (lock->held()) {  // nobody else is at work: the folder is this plan's from now on
-    write_dataset_plan(layout, job.plan);
-    lock->share();
-  } else {
-    throw TryAgainError(layout.root.string(), "another `produce` is at work there with another plan",
-                        "wait for it, or choose another -o");
+    lock->wait();  // for one that is just writing down its plan
   }
-  lock->wait();  // a moment, if another one is just looking
+  const bool is_known = fs::exists(layout.state() / "plan.json");
+  if (!is_known || read_dataset_plan(layout).sha256 != job.plan.sha256) {
+    if (!is_alone)
+      throw TryAgainError(layout.root.string(), "another `produce` is at work there with another plan",
+                          "wait for it, or choose another -o");
+    write_dataset_plan(layout, job.plan);
+  }
+  lock->share();
+  lock->wait();
   return lock;
 }
 
