@@ -8,6 +8,7 @@ file(GLOB scripts ${PROJECT_SOURCE_DIR}/assets/*.sh)
 install(PROGRAMS ${scripts} DESTINATION ${data}/assets)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs DESTINATION share/doc/openhumanbrdf)
 install(FILES ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+              ${PROJECT_SOURCE_DIR}/CONTRIBUTING.md
               ${PROJECT_SOURCE_DIR}/CITATION.cff ${PROJECT_SOURCE_DIR}/cmake/copyright
         DESTINATION share/doc/openhumanbrdf)
 
