@@ -20,7 +20,9 @@ for old in ("bool", "int", "float", "object"):   # names that Debian's numpy 1.2
 
 ROOT = os.environ["OHB_ROOT"]
 sys.path.insert(0, os.path.join(ROOT, "blender_addon"))
+import validation_objects  # noqa: E402
 import validation_scene  # noqa: E402
+import validation_settings  # noqa: E402
 
 CLASSES = ("skin", "hair", "fabric", "leather")
 
@@ -93,8 +95,8 @@ def build_material(mesh, image, name, values):
     material.use_nodes = True
     material.cycles.displacement_method = "BUMP"
     tree = material.node_tree
-    settings = validation_scene.Settings()
-    node = validation_scene.principled_node(settings, tree)
+    settings = validation_settings.Settings()
+    node = validation_objects.principled_node(settings, tree)
     uv = tree.nodes.new("ShaderNodeUVMap")
     uv.uv_map = mesh.uv_layers[0].name
     texture = tree.nodes.new("ShaderNodeTexImage")
@@ -144,6 +146,6 @@ def build_mesh(folder, _description):
     return mesh
 
 
-validation_scene.build_mesh = build_mesh
+validation_objects.build_mesh = build_mesh
 arguments = sys.argv[sys.argv.index("--") + 1:]
 validation_scene.run(arguments[0], int(arguments[1]))
