@@ -22,7 +22,7 @@ from collections import Counter
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
-from cli_test import write_hdr, write_scan  # noqa: E402
+from small_scene import write_hdr, write_scan  # noqa: E402
 
 SOURCE = Path(__file__).parents[2]
 DONE, DIFFERENCE, UNDECIDED = 0, 1, 3    # the last two are verdicts of validate

@@ -7,7 +7,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from cli_test import write_hdr, write_scan
+from small_scene import write_hdr, write_scan
 
 DONE, BAD_INPUT, UNDECIDED, BUG, TRY_AGAIN = 0, 2, 3, 70, 75
 ROOT = Path(__file__).resolve().parents[2]
