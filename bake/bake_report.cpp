@@ -27,6 +27,94 @@ nlohmann::ordered_json json_of(const MapSeams& seams) {
   return json;
 }
 
+/// What the set's UVs cost: texels that are shared, too few, or none.
+std::vector<std::string> uv_warnings(const SetReport& set) {
+  std::vector<std::string> warnings;
+  const double overlap = share(double(set.overlapping_texels), double(set.centre_texels));
+  if (overlap > kMaxOverlapShare)
+    warnings.push_back(fmt::format(
+        "{:.1f} % of its texels show more than one face and {} triangles lie wholly under others "
+        "(overlapping "
+        "UVs): class and displacement are those of the first face; unwrap again where that matters",
+        100 * overlap, set.hidden_triangles));
+  const double lost = share(set.area_without_texel_cm2, set.area_cm2);
+  if (lost > kMaxTexelLessAreaShare)
+    warnings.push_back(
+        fmt::format("{:.2f} % of its area is of {} triangles so small that they have no texel of their "
+                    "own; bake with a larger --size",
+                    100 * lost, set.triangles_without_texel));
+  if (set.triangles_without_uv_area > 0)
+    warnings.push_back(
+        fmt::format("{} triangles have an area but none in UV: each shows one line of texels; unwrap them",
+                    set.triangles_without_uv_area));
+  if (set.uvs_outside > 0)
+    warnings.push_back(
+        fmt::format("{} corners have UVs outside [0,1]; the picture is repeated there", set.uvs_outside));
+  return warnings;
+}
+
+/// What is odd about the normals and pictures that the set was baked from.
+std::vector<std::string> source_warnings(const SetReport& set) {
+  std::vector<std::string> warnings;
+  const double inward = share(double(set.inward_normal_texels), double(set.hit_texels + set.nearest_texels));
+  if (inward > kMaxInwardNormalShare)
+    warnings.push_back(
+        fmt::format("the source's smooth normals point into the scan at {:.1f} % of its texels: its faces do "
+                    "not agree on which side is outside; make its normals consistent and export it again",
+                    100 * inward));
+  if (set.zero_length_normals > 0)
+    warnings.push_back(fmt::format("{} pixels of {} hold no direction and became flat",
+                                   set.zero_length_normals, set.normal));
+  if (!set.mask_size.empty())
+    warnings.push_back(fmt::format(
+        "its mask {} has another size than its picture ({}): clear pixels are not kept out of the "
+        "colours where the map is smaller than the picture; export both in one size",
+        set.alpha, set.mask_size));
+  if (set.normal_green == "unclear")
+    warnings.push_back(
+        fmt::format("which way green points in {} cannot be told, it is read as up (OpenGL); say it with "
+                    "--normals opengl or directx",
+                    set.normal));
+  return warnings;
+}
+
+nlohmann::ordered_json json_of(const SetReport& set, bool has_source) {
+  nlohmann::ordered_json json = {{"name", set.name},
+                                 {"folder", set.folder},
+                                 {"width_px", set.width_px},
+                                 {"height_px", set.height_px},
+                                 {"triangles", set.triangles},
+                                 {"centre_texels", set.centre_texels},
+                                 {"footprint_texels", set.footprint_texels},
+                                 {"padded_texels", set.padded_texels},
+                                 {"overlapping_texels", set.overlapping_texels},
+                                 {"hidden_triangles", set.hidden_triangles},
+                                 {"triangles_without_texel", set.triangles_without_texel},
+                                 {"faces_without_texel", set.faces_without_texel},
+                                 {"triangles_without_uv_area", set.triangles_without_uv_area},
+                                 {"uvs_outside", set.uvs_outside},
+                                 {"area_cm2", set.area_cm2},
+                                 {"mirrored_area_cm2", set.mirrored_area_cm2},
+                                 {"area_without_texel_cm2", set.area_without_texel_cm2},
+                                 {"diffuse", set.diffuse},
+                                 {"alpha", set.alpha},
+                                 {"normal", set.normal},
+                                 {"normal_green", set.normal_green},
+                                 {"zero_length_normals", set.zero_length_normals}};
+  json["seam_edges"] = set.seam_edges;
+  json["seam_edges_left_out"] = set.seam_edges_left_out;
+  for (const MapSeams& seams : set.seams) json["seams"][seams.map] = json_of(seams);
+  if (has_source)
+    json["source"] = {{"hit_texels", set.hit_texels},
+                      {"nearest_texels", set.nearest_texels},
+                      {"missed_texels", set.missed_texels},
+                      {"back_face_texels", set.back_face_texels},
+                      {"inward_normal_texels", set.inward_normal_texels},
+                      {"mean_distance_cm", set.mean_distance_cm},
+                      {"max_distance_cm", set.max_distance_cm}};
+  return json;
+}
+
 }  // namespace
 
 std::vector<std::string> warnings_of(const BakeReport& report) {
@@ -39,44 +127,8 @@ std::vector<std::string> warnings_of(const BakeReport& report) {
                                    : fmt::format("{} faces of the scan were", report.repeated_faces)));
   for (const SetReport& set : report.sets) {
     const auto warn = [&](const std::string& text) { warnings.push_back("set '" + set.name + "': " + text); };
-    const double overlap = share(double(set.overlapping_texels), double(set.centre_texels));
-    if (overlap > kMaxOverlapShare)
-      warn(fmt::format(
-          "{:.1f} % of its texels show more than one face and {} triangles lie wholly under others "
-          "(overlapping "
-          "UVs): class and displacement are those of the first face; unwrap again where that matters",
-          100 * overlap, set.hidden_triangles));
-    const double lost = share(set.area_without_texel_cm2, set.area_cm2);
-    if (lost > kMaxTexelLessAreaShare)
-      warn(
-          fmt::format("{:.2f} % of its area is of {} triangles so small that they have no texel of their "
-                      "own; bake with a larger --size",
-                      100 * lost, set.triangles_without_texel));
-    if (set.triangles_without_uv_area > 0)
-      warn(fmt::format("{} triangles have an area but none in UV: each shows one line of texels; unwrap them",
-                       set.triangles_without_uv_area));
-    if (set.uvs_outside > 0)
-      warn(fmt::format("{} corners have UVs outside [0,1]; the picture is repeated there", set.uvs_outside));
-    const double inward =
-        share(double(set.inward_normal_texels), double(set.hit_texels + set.nearest_texels));
-    if (inward > kMaxInwardNormalShare)
-      warn(fmt::format(
-          "the source's smooth normals point into the scan at {:.1f} % of its texels: its faces do "
-          "not agree on which side is outside; make its normals consistent and export it again",
-          100 * inward));
-    if (set.zero_length_normals > 0)
-      warn(fmt::format("{} pixels of {} hold no direction and became flat", set.zero_length_normals,
-                       set.normal));
-    if (!set.mask_size.empty())
-      warn(fmt::format(
-          "its mask {} has another size than its picture ({}): clear pixels are not kept out of the "
-          "colours where the map is smaller than the picture; export both in one size",
-          set.alpha, set.mask_size));
-    if (set.normal_green == "unclear")
-      warn(
-          fmt::format("which way green points in {} cannot be told, it is read as up (OpenGL); say it with "
-                      "--normals opengl or directx",
-                      set.normal));
+    for (const std::string& text : uv_warnings(set)) warn(text);
+    for (const std::string& text : source_warnings(set)) warn(text);
     if (set.centre_texels == 0)
       warn("no face covers the centre of any texel; bake with a larger --size or unwrap again");
   }
@@ -104,41 +156,7 @@ nlohmann::ordered_json to_json(const BakeReport& report) {
   json["limits"] = {{"overlap_share", kMaxOverlapShare},
                     {"area_without_texel_share", kMaxTexelLessAreaShare}};
   json["sets"] = nlohmann::ordered_json::array();
-  for (const SetReport& set : report.sets) {
-    json["sets"].push_back({{"name", set.name},
-                            {"folder", set.folder},
-                            {"width_px", set.width_px},
-                            {"height_px", set.height_px},
-                            {"triangles", set.triangles},
-                            {"centre_texels", set.centre_texels},
-                            {"footprint_texels", set.footprint_texels},
-                            {"padded_texels", set.padded_texels},
-                            {"overlapping_texels", set.overlapping_texels},
-                            {"hidden_triangles", set.hidden_triangles},
-                            {"triangles_without_texel", set.triangles_without_texel},
-                            {"faces_without_texel", set.faces_without_texel},
-                            {"triangles_without_uv_area", set.triangles_without_uv_area},
-                            {"uvs_outside", set.uvs_outside},
-                            {"area_cm2", set.area_cm2},
-                            {"mirrored_area_cm2", set.mirrored_area_cm2},
-                            {"area_without_texel_cm2", set.area_without_texel_cm2},
-                            {"diffuse", set.diffuse},
-                            {"alpha", set.alpha},
-                            {"normal", set.normal},
-                            {"normal_green", set.normal_green},
-                            {"zero_length_normals", set.zero_length_normals}});
-    json["sets"].back()["seam_edges"] = set.seam_edges;
-    json["sets"].back()["seam_edges_left_out"] = set.seam_edges_left_out;
-    for (const MapSeams& seams : set.seams) json["sets"].back()["seams"][seams.map] = json_of(seams);
-    if (!report.source.empty())
-      json["sets"].back()["source"] = {{"hit_texels", set.hit_texels},
-                                       {"nearest_texels", set.nearest_texels},
-                                       {"missed_texels", set.missed_texels},
-                                       {"back_face_texels", set.back_face_texels},
-                                       {"inward_normal_texels", set.inward_normal_texels},
-                                       {"mean_distance_cm", set.mean_distance_cm},
-                                       {"max_distance_cm", set.max_distance_cm}};
-  }
+  for (const SetReport& set : report.sets) json["sets"].push_back(json_of(set, !report.source.empty()));
   json["warnings"] = warnings_of(report);
   return json;
 }

@@ -103,18 +103,24 @@ std::vector<uint16_t> make_sets(const Scan& scan, CanonicalMesh& mesh) {
   return set_of_material;
 }
 
-}  // namespace
-
-CanonicalMesh canonical_mesh(const Scan& scan, const Regions& regions, double unit_cm) {
-  check_labels(scan, regions);
-  CanonicalMesh mesh;
-  const std::vector<uint16_t> set_of_material = make_sets(scan, mesh);
+/// The scan's triangles without those of repeated faces.
+void keep_triangles_once(const Scan& scan, CanonicalMesh& mesh) {
   const std::vector<bool> repeated = repeated_faces(scan);
   mesh.repeated_faces = static_cast<size_t>(std::count(repeated.begin(), repeated.end(), true));
   std::vector<ScanTriangle>& triangles = mesh.triangles = triangulate(scan);
   triangles.erase(std::remove_if(triangles.begin(), triangles.end(),
                                  [&](const ScanTriangle& triangle) { return repeated[triangle.face]; }),
                   triangles.end());
+}
+
+}  // namespace
+
+CanonicalMesh canonical_mesh(const Scan& scan, const Regions& regions, double unit_cm) {
+  check_labels(scan, regions);
+  CanonicalMesh mesh;
+  const std::vector<uint16_t> set_of_material = make_sets(scan, mesh);
+  keep_triangles_once(scan, mesh);
+  const std::vector<ScanTriangle>& triangles = mesh.triangles;
   Compaction positions(scan.positions.size()), uvs(scan.uvs.size());
   for (const ScanTriangle& triangle : triangles) {
     check_uvs(scan, triangle);

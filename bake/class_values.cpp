@@ -38,37 +38,58 @@ Image SetBake::class_shares() const {
   return shares;
 }
 
-/// Roughness, specular and sss as three channels, unpadded.
-Image SetBake::class_values() const {
-  constexpr float kLeastSum = 0.5f;  // less: no face was there when the shares were made
+namespace {
+
+constexpr uint8_t kMixed = kClassCount;
+
+/// Where the pixels of `shares` have classes at all, and which class those have that have only one.
+struct KnownShares {
+  surface::ResampleWeights weights;
+  std::vector<uint8_t> only_class;  // of each pixel; kMixed: several, or none
+};
+
+KnownShares known_shares(const Image& shares) {
+  KnownShares known;
+  known.weights.pixel_weights = Image(shares.width_px, shares.height_px, 1);
+  known.only_class.assign(known.weights.pixel_weights.values.size(), kMixed);
+  for (size_t i = 0; i < known.only_class.size(); ++i) {
+    const float* const of_pixel = &shares.values[kClassCount * i];
+    float sum = 0;
+    for (int c = 0; c < kClassCount; ++c) sum += of_pixel[c];
+    known.weights.pixel_weights.values[i] = sum;
+    for (uint8_t c = 0; c < kClassCount; ++c)
+      if (of_pixel[c] == 1 && sum == 1) known.only_class[i] = c;
+  }
+  return known;
+}
+
+std::array<ClassMaterial, kClassCount> pure_materials(const MaterialTable& table) {
   std::array<ClassMaterial, kClassCount> pure;
   for (int c = 0; c < kClassCount; ++c) {
     std::array<float, kClassCount> all_of_one{};
     all_of_one[c] = 1;
-    pure[c] = mix_classes(table_, all_of_one);
+    pure[c] = mix_classes(table, all_of_one);
   }
+  return pure;
+}
+
+}  // namespace
+
+/// Roughness, specular and sss as three channels, unpadded.
+Image SetBake::class_values() const {
+  constexpr float kLeastSum = 0.5f;  // less: no face was there when the shares were made
+  const std::array<ClassMaterial, kClassCount> pure = pure_materials(table_);
   const Image shares = class_shares();
-  surface::ResampleWeights known;  // texels of faces
-  known.pixel_weights = Image(shares.width_px, shares.height_px, 1);
-  constexpr uint8_t kMixed = kClassCount;
-  std::vector<uint8_t> only_class(known.pixel_weights.values.size(), kMixed);  // of each pixel, if it has one
-  for (size_t i = 0; i < only_class.size(); ++i) {
-    const float* const of_pixel = &shares.values[kClassCount * i];
-    float sum = 0;
-    for (int c = 0; c < kClassCount; ++c) sum += of_pixel[c];
-    known.pixel_weights.values[i] = sum;
-    for (uint8_t c = 0; c < kClassCount; ++c)
-      if (of_pixel[c] == 1 && sum == 1) only_class[i] = c;
-  }
+  const KnownShares known = known_shares(shares);
   std::optional<surface::Resampler> resampler;
-  if (!shares.values.empty()) resampler.emplace(shares, width_px(), height_px(), known);
+  if (!shares.values.empty()) resampler.emplace(shares, width_px(), height_px(), known.weights);
   Image values(width_px(), height_px(), 3);
   tbb::parallel_for(0, height_px(), [&](int y) {
     for (int x = 0; x < width_px(); ++x) {
       const uint32_t owner = coverage_.owner_of(x, y);
       if (owner == surface::TexelCoverage::kNone) continue;
       ClassMaterial out = pure[mesh_.model.triangles[triangles_.index[owner]].material_class];
-      const uint8_t only = resampler ? resampler->common_byte(x, y, only_class, kMixed) : kMixed;
+      const uint8_t only = resampler ? resampler->common_byte(x, y, known.only_class, kMixed) : kMixed;
       if (only != kMixed) {
         out = pure[only];
       } else if (resampler) {

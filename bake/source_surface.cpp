@@ -198,6 +198,34 @@ Vec3f SourceSurface::nearest_point(uint32_t triangle, Vec3f p, float& u, float& 
   return a + u * ab + v * ac;
 }
 
+/// Where the steps `across` and `up` lead in the picture when they are carried along `direction`.
+UvFootprint SourceSurface::footprint_of(uint32_t index, Vec3f across, Vec3f up, Vec3f direction) const {
+  const SourceTriangle& triangle = triangles_[index];
+  const uint32_t* const i = &indices_[3 * size_t{index}];
+  UvMotion motion;
+  motion.edge1 = positions_[i[1]] - positions_[i[0]];
+  motion.edge2 = positions_[i[2]] - positions_[i[0]];
+  motion.normal = cross(motion.edge1, motion.edge2);
+  const float squared = dot(motion.normal, motion.normal);
+  motion.inverse_squared_area = squared > 0 ? 1 / squared : 0;
+  motion.uv1 = triangle.uv[1] - triangle.uv[0];
+  motion.uv2 = triangle.uv[2] - triangle.uv[0];
+  motion.direction = direction;
+  const float least = std::sqrt(squared) / kLongestStretch;
+  const float along = dot(motion.normal, direction);
+  motion.along = squared > 0 ? std::copysign(std::max(std::fabs(along), least), along) : 1;
+  return {motion.of(across), motion.of(up)};
+}
+
+Vec3f SourceSurface::mapped_normal(uint32_t index, float u, float v, Vec3f normal, const float* n) const {
+  const float w = 1 - u - v;
+  const CornerTangent* const t = &tangents_[3 * size_t{index}];
+  const Vec3f tangent = w * t[0].tangent + u * t[1].tangent + v * t[2].tangent;
+  const float sign = w * t[0].sign + u * t[1].sign + v * t[2].sign;
+  const Vec3f mapped = n[0] * tangent + n[1] * sign * cross(normal, tangent) + n[2] * normal;
+  return dot(mapped, mapped) > 0 ? mapped : normal;
+}
+
 SourceSample SourceSurface::sample(uint32_t index, float u, float v, Vec3f across, Vec3f up,
                                    Vec3f direction) const {
   const SourceTriangle& triangle = triangles_[index];
@@ -207,20 +235,7 @@ SourceSample SourceSurface::sample(uint32_t index, float u, float v, Vec3f acros
   SourceSample sample{material.from.diffuse_factor, normal, 1};
   const bool has_normal_map = !material.normal.empty();
   if (!material.albedo.empty() || !material.alpha.empty() || has_normal_map) {
-    const uint32_t* const i = &indices_[3 * size_t{index}];
-    UvMotion motion;
-    motion.edge1 = positions_[i[1]] - positions_[i[0]];
-    motion.edge2 = positions_[i[2]] - positions_[i[0]];
-    motion.normal = cross(motion.edge1, motion.edge2);
-    const float squared = dot(motion.normal, motion.normal);
-    motion.inverse_squared_area = squared > 0 ? 1 / squared : 0;
-    motion.uv1 = triangle.uv[1] - triangle.uv[0];
-    motion.uv2 = triangle.uv[2] - triangle.uv[0];
-    motion.direction = direction;
-    const float least = std::sqrt(squared) / kLongestStretch;
-    const float along = dot(motion.normal, direction);
-    motion.along = squared > 0 ? std::copysign(std::max(std::fabs(along), least), along) : 1;
-    const UvFootprint footprint{motion.of(across), motion.of(up)};
+    const UvFootprint footprint = footprint_of(index, across, up, direction);
     const Vec2f uv = w * triangle.uv[0] + u * triangle.uv[1] + v * triangle.uv[2];
     if (!material.albedo.empty()) {
       float rgb[3];
@@ -231,11 +246,7 @@ SourceSample SourceSurface::sample(uint32_t index, float u, float v, Vec3f acros
     if (has_normal_map) {
       float n[3];
       material.normal.sample(uv, footprint, n);
-      const CornerTangent* const t = &tangents_[3 * size_t{index}];
-      const Vec3f tangent = w * t[0].tangent + u * t[1].tangent + v * t[2].tangent;
-      const float sign = w * t[0].sign + u * t[1].sign + v * t[2].sign;
-      const Vec3f mapped = n[0] * tangent + n[1] * sign * cross(normal, tangent) + n[2] * normal;
-      if (dot(mapped, mapped) > 0) normal = mapped;
+      normal = mapped_normal(index, u, v, normal, n);
     }
   }
   if (!colours_.empty()) {

@@ -71,6 +71,9 @@ class SourceSurface {
  private:
   void read_materials(const Scan& scan, const Model& mesh, const std::vector<surface::GreenChannel>& green);
   void set_triangles(const Model& mesh, const std::vector<Vec3f>& normals);
+  UvFootprint footprint_of(uint32_t triangle, Vec3f across, Vec3f up, Vec3f direction) const;
+  /// The normal map's normal at that point, of any length; `normal` where the map holds no direction.
+  Vec3f mapped_normal(uint32_t triangle, float u, float v, Vec3f normal, const float* map) const;
 
   std::vector<Vec3f> positions_;   // one more than there are: Embree reads 16 bytes at the last
   std::vector<uint32_t> indices_;  // 3 a triangle

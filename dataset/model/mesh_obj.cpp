@@ -51,6 +51,57 @@ bool starts_with(std::string_view line, std::string_view word) {
   return line.substr(0, word.size()) == word;
 }
 
+/// Adds to a model what the lines of its mesh.obj say, one after the other.
+class ElementReader {
+ public:
+  ElementReader(const std::vector<TextureSetEntry>& sets, Model& model) : model_(model) {
+    for (size_t i = 0; i < sets.size(); ++i) set_of_name_[sets[i].folder] = static_cast<uint16_t>(i);
+  }
+
+  /// False if the line is not as expected.
+  bool read(std::string_view line) {
+    LineReader reader{line.data(), line.data() + line.size()};
+    if (starts_with(line, "usemtl ")) return use_set(std::string(line.substr(7)));
+    if (starts_with(line, "v ")) {
+      reader.at += 1;
+      const float x = reader.coordinate(), y = reader.coordinate(), z = reader.coordinate();
+      model_.positions_cm.push_back({x, y, z});
+    } else if (starts_with(line, "vt ")) {
+      reader.at += 2;
+      const float u = reader.coordinate(), v = reader.coordinate();
+      model_.uvs.push_back({u, v});
+    } else if (starts_with(line, "f ")) {
+      reader.at += 1;
+      add_triangle(reader);
+    } else {
+      return false;
+    }
+    return reader.ok && reader.at == reader.end;
+  }
+
+ private:
+  bool use_set(const std::string& name) {
+    const auto found = set_of_name_.find(name);
+    if (found != set_of_name_.end()) set_ = found->second;
+    return found != set_of_name_.end();
+  }
+
+  void add_triangle(LineReader& reader) {
+    ModelTriangle triangle{};
+    for (int c = 0; c < 3; ++c) {
+      triangle.position[c] = reader.index(' ');
+      triangle.uv[c] = reader.index('/');
+    }
+    reader.ok = reader.ok && set_ >= 0;
+    triangle.set = static_cast<uint16_t>(std::max(set_, 0));
+    model_.triangles.push_back(triangle);
+  }
+
+  Model& model_;
+  std::unordered_map<std::string, uint16_t> set_of_name_;
+  int set_ = -1;  // no usemtl yet
+};
+
 }  // namespace
 
 std::string mesh_obj_text(const Model& model, const std::vector<TextureSetEntry>& sets) {
@@ -82,9 +133,7 @@ std::string mesh_obj_text(const Model& model, const std::vector<TextureSetEntry>
 
 void parse_mesh_obj(const std::string& text, const std::filesystem::path& file,
                     const std::vector<TextureSetEntry>& sets, Model& model) {
-  std::unordered_map<std::string, uint16_t> set_of_name;
-  for (size_t i = 0; i < sets.size(); ++i) set_of_name[sets[i].folder] = static_cast<uint16_t>(i);
-  int set = -1;
+  ElementReader elements(sets, model);
   size_t line_number = 0;
   for (size_t begin = 0; begin < text.size();) {
     const size_t newline = std::min(text.find('\n', begin), text.size());
@@ -93,35 +142,7 @@ void parse_mesh_obj(const std::string& text, const std::filesystem::path& file,
     ++line_number;
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     if (line.empty() || line[0] == '#' || starts_with(line, "mtllib ")) continue;
-
-    LineReader reader{line.data(), line.data() + line.size()};
-    if (starts_with(line, "usemtl ")) {
-      const auto found = set_of_name.find(std::string(line.substr(7)));
-      reader.ok = found != set_of_name.end();
-      if (reader.ok) set = found->second;
-      reader.at = reader.end;
-    } else if (starts_with(line, "v ")) {
-      reader.at += 1;
-      const float x = reader.coordinate(), y = reader.coordinate(), z = reader.coordinate();
-      model.positions_cm.push_back({x, y, z});
-    } else if (starts_with(line, "vt ")) {
-      reader.at += 2;
-      const float u = reader.coordinate(), v = reader.coordinate();
-      model.uvs.push_back({u, v});
-    } else if (starts_with(line, "f ")) {
-      reader.at += 1;
-      ModelTriangle triangle{};
-      for (int c = 0; c < 3; ++c) {
-        triangle.position[c] = reader.index(' ');
-        triangle.uv[c] = reader.index('/');
-      }
-      reader.ok = reader.ok && set >= 0;
-      triangle.set = static_cast<uint16_t>(std::max(set, 0));
-      model.triangles.push_back(triangle);
-    } else {
-      reader.ok = false;
-    }
-    if (!reader.ok || reader.at != reader.end)
+    if (!elements.read(line))
       throw InputError(file.string(), "line " + std::to_string(line_number),
                        "\"" + std::string(line.substr(0, 60)) + "\" is not what a model's mesh holds there",
                        "bake the model again");

@@ -208,22 +208,11 @@ void mask_of_size(BakeStressScene& scene, double times, const fs::path& scratch)
   scene.has_alpha = true;
 }
 
-}  // namespace
+using Change = std::function<void(BakeStressScene&, double)>;
 
-SheetTruth sheet_truth(float x, float y) {
-  SheetTruth truth;
-  const float slope_x = kWave * std::cos(kWave * x) * std::cos(kWave * y);
-  const float slope_y = -kWave * std::sin(kWave * x) * std::sin(kWave * y);
-  truth.normal = normalised({-slope_x, -slope_y, 1});
-  truth.albedo = {0.5f + 0.4f * std::sin(kWave * x), 0.5f + 0.4f * std::cos(kWave * y), 0.3f};
-  truth.z = wave_z(x, y);
-  truth.alpha = 0.6f + 0.4f * std::sin(2 * kWave * x) * std::sin(2 * kWave * y);
-  return truth;
-}
-
-void make_bake_stress_scene(const std::string& name, double at, const fs::path& scratch,
-                            BakeStressScene& scene) {
-  using Change = std::function<void(BakeStressScene&, double)>;
+/// What makes the plain sheet the scene of that name; empty for "mask size", which needs a folder
+/// (mask_of_size). Throws InputError for another name.
+Change change_of(const std::string& name) {
   static const std::map<std::string, Change> changes = {
       {"mirrored", mirror_columns},
       {"overlap", overlap_halves},
@@ -248,6 +237,25 @@ void make_bake_stress_scene(const std::string& name, double at, const fs::path& 
     for (const auto& [known, unused] : changes) names += (names.empty() ? "" : ", ") + known;
     throw InputError("", "scene '" + name + "'", "is not known", "use one of: " + names);
   }
+  return change->second;
+}
+
+}  // namespace
+
+SheetTruth sheet_truth(float x, float y) {
+  SheetTruth truth;
+  const float slope_x = kWave * std::cos(kWave * x) * std::cos(kWave * y);
+  const float slope_y = -kWave * std::sin(kWave * x) * std::sin(kWave * y);
+  truth.normal = normalised({-slope_x, -slope_y, 1});
+  truth.albedo = {0.5f + 0.4f * std::sin(kWave * x), 0.5f + 0.4f * std::cos(kWave * y), 0.3f};
+  truth.z = wave_z(x, y);
+  truth.alpha = 0.6f + 0.4f * std::sin(2 * kWave * x) * std::sin(2 * kWave * y);
+  return truth;
+}
+
+void make_bake_stress_scene(const std::string& name, double at, const fs::path& scratch,
+                            BakeStressScene& scene) {
+  const Change change = change_of(name);
   scene.low = sheet(kLowCells, [](float, float) { return 0.0f; });
   scene.low.file = "low.obj";
   scene.source = sheet(kSourceCells, wave_z);
@@ -256,8 +264,8 @@ void make_bake_stress_scene(const std::string& name, double at, const fs::path& 
   scene.measured_faces = scene.low.face_count();
   scene.options.size_px = kMap_px;
   scene.options.source.scan = &scene.source;
-  if (change->second)
-    change->second(scene, at);
+  if (change)
+    change(scene, at);
   else
     mask_of_size(scene, at, scratch);
   scene.regions = {std::vector<uint8_t>(scene.low.face_count(), kFabric), std::string(64, '0')};

@@ -236,11 +236,8 @@ class Measurement {
     chart_.ratios.push_back(best);
   }
 
-  /// Both programs with these lights: ours all in one pass, Cycles one after the other. The reference is of
-  /// the first light.
-  Reference compare(const std::string& suffix, const std::vector<Environment>& environments,
-                    bool subsurface) {
-    scene_.subsurface = subsurface;
+  /// The ladder, and after it the passes that stop by themselves; returns how many do not.
+  size_t set_cycles_passes() {
     scene_.passes = ladder(chart_.settings);
     const size_t plain_count = scene_.passes.size();
     for (const double threshold : kAdaptiveThresholds) {
@@ -248,6 +245,31 @@ class Measurement {
       scene_.passes.back().spp = std::min(kAdaptiveSpp * chart_.settings.max_spp, validation::kMaxCyclesSpp);
       scene_.passes.back().adaptive_threshold = threshold;
     }
+    return plain_count;
+  }
+
+  /// One point a pass, from Cycles' renders and references of each light.
+  void add_cycles(const std::string& series, const std::vector<validation::CyclesSide>& cycles,
+                  const std::vector<Reference>& references, size_t plain_count) {
+    for (size_t i = 0; i < scene_.passes.size(); ++i) {
+      const bool stops_early = i >= plain_count;
+      validation::SideCost cost{cycles.front().pass_costs[i].load_s, 0, 0, 0};
+      std::vector<Errors> errors;
+      for (size_t l = 0; l < cycles.size(); ++l) {
+        cost.wall_s += cycles[l].pass_costs[i].wall_s;
+        cost.cpu_s += cycles[l].pass_costs[i].cpu_s;
+        errors.push_back(errors_of(cycles[l].passes[i], mask_, stops_early ? &references[l] : nullptr));
+      }
+      add_point(series + (stops_early ? ", adaptive" : ""), kAsCycles, scene_.passes[i], cost, errors);
+    }
+  }
+
+  /// Both programs with these lights: ours all in one pass, Cycles one after the other. The reference is of
+  /// the first light.
+  Reference compare(const std::string& suffix, const std::vector<Environment>& environments,
+                    bool subsurface) {
+    scene_.subsurface = subsurface;
+    const size_t plain_count = set_cycles_passes();
     std::vector<validation::CyclesSide> cycles;
     for (const Environment& environment : environments) {
       scene_.environment = &environment;
@@ -261,18 +283,7 @@ class Measurement {
       references.push_back(reference_of(even.stacks.back()[l], cycles[l].passes[plain_count - 1], mask_));
 
     const size_t first = chart_.points.size();
-    for (size_t i = 0; i < scene_.passes.size(); ++i) {
-      const bool stops_early = i >= plain_count;
-      validation::SideCost cost{cycles.front().pass_costs[i].load_s, 0, 0, 0};
-      std::vector<Errors> errors;
-      for (size_t l = 0; l < cycles.size(); ++l) {
-        cost.wall_s += cycles[l].pass_costs[i].wall_s;
-        cost.cpu_s += cycles[l].pass_costs[i].cpu_s;
-        errors.push_back(errors_of(cycles[l].passes[i], mask_, stops_early ? &references[l] : nullptr));
-      }
-      add_point("Cycles" + suffix + (stops_early ? ", adaptive" : ""), kAsCycles, scene_.passes[i], cost,
-                errors);
-    }
+    add_cycles("Cycles" + suffix, cycles, references, plain_count);
     const size_t end = chart_.points.size();
     add_ours("ours" + suffix, even, nullptr);
     comparisons_.push_back({chart_.points.size() - 1, first, end, "Cycles" + suffix});

@@ -29,9 +29,9 @@ std::string tics(const char* axis) {
   return fmt::format("set {}tics ({})\n", axis, list);
 }
 
-std::string plot_script(const SpeedAccuracy& chart) {
+/// The points of each series, and the Pareto front.
+std::string data_blocks(const SpeedAccuracy& chart, const std::vector<std::string>& names) {
   std::string script;
-  const std::vector<std::string> names = series_of(chart);
   for (size_t s = 0; s < names.size(); ++s) {
     script += fmt::format("$s{} << EOD\n", s);
     for (const SpeedAccuracyPoint& p : chart.points)
@@ -43,6 +43,35 @@ std::string plot_script(const SpeedAccuracy& chart) {
   for (const SpeedAccuracyPoint& p : chart.points)
     if (p.on_front) script += fmt::format("{:.6g} {:.6g}\n", p.load_s + p.wall_s, 100 * p.relative_error);
   script += "EOD\n";
+  return script;
+}
+
+const char* colour_of(const std::string& series) {
+  const bool ours = series.rfind("ours", 0) == 0;
+  const bool plain = series.find("no subsurface") != std::string::npos;
+  const bool several = series.find("lights") != std::string::npos;
+  if (series == "ours, auto") return "#7a3fb0";
+  if (series == "ours, fast") return "#c77fd9";
+  if (ours) return several ? "#1a7f37" : plain ? "#5fa8e8" : "#1f5fbf";
+  return plain ? "#f08a80" : several ? "#b36b00" : "#c03030";
+}
+
+/// The line of the plot that draws all series.
+std::string plot_command(const std::vector<std::string>& names) {
+  std::string plot = "plot $front with points pt 6 ps 2 lc rgb '#999999' title 'Pareto front', \\\n";
+  for (size_t s = 0; s < names.size(); ++s) {
+    const bool several = names[s].find("lights") != std::string::npos;
+    plot +=
+        fmt::format("  $s{} with linespoints pt {} lw 2 dt {} lc rgb '{}' title {}{}\n", s, several ? 5 : 7,
+                    names[s].find("adaptive") != std::string::npos ? 3 : 1, colour_of(names[s]),
+                    validation::gnuplot_quoted(names[s]), s + 1 < names.size() ? ", \\" : "");
+  }
+  return plot;
+}
+
+std::string plot_script(const SpeedAccuracy& chart) {
+  const std::vector<std::string> names = series_of(chart);
+  std::string script = data_blocks(chart, names);
   script +=
       "set logscale xy\nset autoscale noextend\nset offsets graph 0.05, graph 0.05, graph 0.05, graph "
       "0.05\nset grid\nset key outside right top\n";
@@ -54,22 +83,7 @@ std::string plot_script(const SpeedAccuracy& chart) {
                                                    chart.model_name, chart.environments.front(),
                                                    chart.settings.size_px, chart.settings.size_px)) +
             " noenhanced\n";
-  std::string plot = "plot $front with points pt 6 ps 2 lc rgb '#999999' title 'Pareto front', \\\n";
-  for (size_t s = 0; s < names.size(); ++s) {
-    const bool ours = names[s].rfind("ours", 0) == 0;
-    const bool plain = names[s].find("no subsurface") != std::string::npos;
-    const bool several = names[s].find("lights") != std::string::npos;
-    const bool chosen = names[s] == "ours, auto" || names[s] == "ours, fast";
-    const char* colour = chosen  ? (names[s] == "ours, auto" ? "#7a3fb0" : "#c77fd9")
-                         : ours  ? (several ? "#1a7f37"
-                                    : plain ? "#5fa8e8"
-                                            : "#1f5fbf")
-                         : plain ? "#f08a80"
-                                 : (several ? "#b36b00" : "#c03030");
-    plot += fmt::format("  $s{} with linespoints pt {} lw 2 dt {} lc rgb '{}' title {}{}\n", s,
-                        several ? 5 : 7, names[s].find("adaptive") != std::string::npos ? 3 : 1, colour,
-                        validation::gnuplot_quoted(names[s]), s + 1 < names.size() ? ", \\" : "");
-  }
+  const std::string plot = plot_command(names);
   script += "set terminal svg size 980,560 background rgb 'white'\nset output 'chart.svg'\n" + plot;
   script += "set terminal pngcairo size 980,560\nset output 'chart.png'\n" + plot;
   return script;
