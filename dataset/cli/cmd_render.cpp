@@ -22,7 +22,7 @@ struct Options {
   int max_spp = renderer::ErrorGoal().max_spp;
 };
 
-int run_render(const Options& options, const CommonOptions& common) {
+commands::RenderJob job_of(const Options& options, const CommonOptions& common) {
   commands::RenderJob job;
   job.model_folder = options.model;
   job.environments.assign(options.environments.begin(), options.environments.end());
@@ -45,11 +45,10 @@ int run_render(const Options& options, const CommonOptions& common) {
     throw InputError("", "--tolerance", "needs --quality auto", "give both, or neither");
   job.output = options.output;
   job.overwrites = options.overwrites;
-  const commands::RenderReport report = commands::render_samples(job);
-  if (common.json) {
-    std::printf("%s", read_file(job.output / "render.json").c_str());
-    return 0;
-  }
+  return job;
+}
+
+void print_report(const commands::RenderReport& report, const std::string& output) {
   size_t done = 0;
   double seconds = 0;
   uint64_t paths = 0, rays = 0;
@@ -59,8 +58,7 @@ int run_render(const Options& options, const CommonOptions& common) {
     paths += view.statistics.paths;
     rays += view.statistics.closest_hit_rays + view.statistics.shadow_rays + view.statistics.walk_segments;
   }
-  std::printf("%s: %zu views rendered, %zu were there\n", options.output.c_str(), done,
-              report.views.size() - done);
+  std::printf("%s: %zu views rendered, %zu were there\n", output.c_str(), done, report.views.size() - done);
   if (done > 0 && seconds > 0)
     std::printf("%.1f s for the lights, %.2f million paths/s, %.2f million rays/s, loading %.1f s\n", seconds,
                 1e-6 * static_cast<double>(paths) / seconds, 1e-6 * static_cast<double>(rays) / seconds,
@@ -69,15 +67,19 @@ int run_render(const Options& options, const CommonOptions& common) {
     if (const renderer::RegionError* worst = view.error.worst())
       std::printf("view %d: %.0f paths a pixel, relative error %.3g (%s under %s)\n", view.view,
                   view.error.spp, worst->relative_error, worst->region.c_str(), worst->light.c_str());
+}
+
+int run_render(const Options& options, const CommonOptions& common) {
+  const commands::RenderJob job = job_of(options, common);
+  const commands::RenderReport report = commands::render_samples(job);
+  if (common.json)
+    std::printf("%s", read_file(job.output / "render.json").c_str());
+  else
+    print_report(report, options.output);
   return 0;
 }
 
-}  // namespace
-
-void add_render_command(CLI::App& app, Commands& commands) {
-  CLI::App* command =
-      app.add_subcommand("render", "Samples of a model: one EXR a view with mask, maps and every light");
-  auto options = std::make_shared<Options>();
+void add_view_options(CLI::App* command, const std::shared_ptr<Options>& options) {
   command->add_option("MODEL", options->model, "folder that bake wrote")->required();
   command->add_option("--environment", options->environments,
                       "latitude-longitude map, linear; may be repeated");
@@ -88,6 +90,9 @@ void add_render_command(CLI::App& app, Commands& commands) {
   command->add_option("--size", options->size_px, "width and height in pixels")
       ->check(program::whole_within(1, 16384))
       ->capture_default_str();
+}
+
+void add_path_options(CLI::App* command, const std::shared_ptr<Options>& options) {
   CLI::Option* spp = command->add_option("--spp", options->spp, "paths a pixel")
                          ->check(program::whole_within(1, 1 << 24))
                          ->capture_default_str();
@@ -106,6 +111,9 @@ void add_render_command(CLI::App& app, Commands& commands) {
   command->add_option("--bounces", options->bounces, "indirect bounces at most")
       ->check(program::whole_within(0, 1024))
       ->capture_default_str();
+}
+
+void add_shading_options(CLI::App* command, const std::shared_ptr<Options>& options) {
   command
       ->add_option("--model", options->shading,
                    "Principled BSDF: v1, of Blender 3.4; v2, of Blender 4.5, which keeps energy")
@@ -122,6 +130,9 @@ void add_render_command(CLI::App& app, Commands& commands) {
           "adaptive: --spp is the mean, more where the noise is (unbiased, from 16 on); even: all the same")
       ->check(CLI::IsMember({"adaptive", "even"}))
       ->capture_default_str();
+}
+
+void add_quality_options(CLI::App* command, const std::shared_ptr<Options>& options) {
   command
       ->add_option(
           "--quality", options->quality,
@@ -135,6 +146,18 @@ void add_render_command(CLI::App& app, Commands& commands) {
           [options](double tolerance) { options->tolerance = tolerance, options->tolerance_given = true; },
           "of --quality auto: root mean square change of a light's image, relative (default 0.02)")
       ->check(program::number_within(1e-4, 1.0));
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, Commands& commands) {
+  CLI::App* command =
+      app.add_subcommand("render", "Samples of a model: one EXR a view with mask, maps and every light");
+  auto options = std::make_shared<Options>();
+  add_view_options(command, options);
+  add_path_options(command, options);
+  add_shading_options(command, options);
+  add_quality_options(command, options);
   command->add_option("-o,--output", options->output, "folder for the samples")->required();
   command->add_flag("--overwrite", options->overwrites,
                     "replace the views in that folder if they are of other settings (else they are refused)");

@@ -79,16 +79,10 @@ int run_validate(Options options, const CommonOptions& common) {
   return kExitDifference;
 }
 
-}  // namespace
-
-void add_validate_command(CLI::App& app, Commands& commands) {
-  CLI::App* command = app.add_subcommand("validate", "The same view in Blender's Cycles and here, compared");
-  auto options = std::make_shared<Options>();
-  validation::ValidationSettings& settings = options->settings;
-  command->add_option("MODEL", options->model, "folder that bake wrote")->required();
-  command->add_option("--environment", options->environment, "latitude-longitude map, linear")->required();
+void add_peer_options(CLI::App* command, Options& options) {
+  validation::ValidationSettings& settings = options.settings;
   command
-      ->add_option("--model", options->shading,
+      ->add_option("--model", options.shading,
                    "Principled BSDF: v1, against Blender 3.4; v2, against Blender 4.5")
       ->check(CLI::IsMember({"v1", "v2"}))
       ->capture_default_str();
@@ -101,10 +95,14 @@ void add_validate_command(CLI::App& app, Commands& commands) {
           ->excludes(blender);
   command
       ->add_flag(
-          "--install-bpy", options->install_bpy,
+          "--install-bpy", options.install_bpy,
           "makes that environment if it is not there: fetches about 400 MB from PyPI, needs Python 3.11")
       ->needs(bpy);
-  command->add_option("--view", options->view, "view k of n around the turn, k/n")->capture_default_str();
+}
+
+void add_picture_options(CLI::App* command, Options& options) {
+  validation::ValidationSettings& settings = options.settings;
+  command->add_option("--view", options.view, "view k of n around the turn, k/n")->capture_default_str();
   command->add_option("--size", settings.size_px, "width and height in pixels")
       ->check(program::whole_within(8, 8192))
       ->capture_default_str();
@@ -118,7 +116,7 @@ void add_validate_command(CLI::App& app, Commands& commands) {
       ->check(program::whole_within(0, 1024))
       ->capture_default_str();
   command
-      ->add_option("--subsurface", options->subsurface,
+      ->add_option("--subsurface", options.subsurface,
                    "walk: light scatters under the skin; diffuse: on neither side")
       ->check(CLI::IsMember({"walk", "diffuse"}))
       ->capture_default_str();
@@ -128,6 +126,17 @@ void add_validate_command(CLI::App& app, Commands& commands) {
           "regions that are too noisy are rendered again, alone, with up to so many times the work; 1: never")
       ->check(program::number_within(1.0, 1e6))
       ->capture_default_str();
+}
+
+}  // namespace
+
+void add_validate_command(CLI::App& app, Commands& commands) {
+  CLI::App* command = app.add_subcommand("validate", "The same view in Blender's Cycles and here, compared");
+  auto options = std::make_shared<Options>();
+  command->add_option("MODEL", options->model, "folder that bake wrote")->required();
+  command->add_option("--environment", options->environment, "latitude-longitude map, linear")->required();
+  add_peer_options(command, *options);
+  add_picture_options(command, *options);
   command->add_option("-o,--output", options->output, "folder for the report")->required();
   add_common_options(*command, commands.common);
   add_seed_option(*command, commands.common);

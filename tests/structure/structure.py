@@ -187,7 +187,7 @@ def too_long(root):
         if text.count("\n") > MAX_FILE_LINES:
             wrong.append("%s: %d lines" % (name, text.count("\n")))
         for line, count, arguments in functions(text) if path.suffix in SOURCES else ():
-            if count > MAX_FUNCTION_LINES:
+            if count > MAX_FUNCTION_LINES and name.parts[0] != "tests":    # where tables of cases are functions
                 wrong.append("%s:%d: a function of %d lines" % (name, line, count))
             if arguments > MAX_PARAMETERS:
                 wrong.append("%s:%d: a function of %d parameters" % (name, line, arguments))

@@ -11,7 +11,7 @@ import structure
 
 ROOT = Path(sys.argv.pop(1)).resolve() if len(sys.argv) > 1 else Path(__file__).resolve().parents[2]
 HEAD = "| folder | holds | uses |\n|---|---|---|\n"
-MOST_LONG_FUNCTIONS = 10    # above 40 lines
+MOST_LONG_FUNCTIONS = 25    # above 40 lines: to become fewer
 
 
 class Tree(unittest.TestCase):
@@ -26,6 +26,13 @@ class Tree(unittest.TestCase):
 
     def test_each_library_has_a_namespace_of_its_own(self):
         self.nothing(structure.wrong_namespaces(ROOT))
+
+    def test_files_and_functions_are_short(self):
+        self.nothing(structure.too_long(ROOT))
+
+    def test_few_functions_are_above_40_lines(self):
+        found = structure.long_functions(ROOT, 40)
+        self.assertLessEqual(len(found), MOST_LONG_FUNCTIONS, "\n" + "\n".join(found))
 
 
 class Planted(unittest.TestCase):
