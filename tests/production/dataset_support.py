@@ -12,7 +12,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "cli"))
-from cli_test import write_hdr, write_scan  # noqa: E402
+from small_scene import write_hdr, write_scan  # noqa: E402
 
 DONE, DIFFERENCE, BAD_INPUT, TRY_AGAIN = 0, 1, 2, 75
 PROGRAM = os.path.abspath(sys.argv.pop(1)) if len(sys.argv) > 1 else "openhumanbrdf"

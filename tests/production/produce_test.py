@@ -64,7 +64,7 @@ class Redone(Production):
     def test_a_scans_picture(self):
         self.produce()
         shutil.copy(self.folder / "people/a/colour.png", self.folder / "people/b/old.png")
-        from cli_test import png
+        from small_scene import png
         png(self.folder / "people/b/colour.png", 32, lambda x, y: (8 * y, 8 * x, 64))
         self.assertEqual(self.produce()["made"], 4)
 
