@@ -1,7 +1,7 @@
 """Productions from outside: what is redone, what bytes depend on, and what happens when things go wrong.
 
 usage: produce_test.py OPENHUMANBRDF [unittest's arguments]
-OHB_KILLS=N in the environment: so many random kills (default 6; a few seconds each).
+OHB_KILLS=N in the environment: so many random kills (default 3; a few seconds each).
 """
 import json
 import os
@@ -15,7 +15,7 @@ from pathlib import Path
 
 from dataset_support import BAD_INPUT, DIFFERENCE, DONE, MATERIALS, PROGRAM, TRY_AGAIN, Production, tree, write_hdr
 
-KILLS = int(os.environ.get("OHB_KILLS", "6"))
+KILLS = int(os.environ.get("OHB_KILLS", "3"))
 
 
 class Redone(Production):
