@@ -172,22 +172,19 @@ Example example_of(const Sample& sample, const fs::path& path, uint64_t light_ke
   if (std::none_of(mask.values.begin(), mask.values.end(), [](float m) { return m > 0.5f; }))
     throw InputError(file, "part 'mask'", "covers nothing: there is no foreground",
                      "render the sample again");
-  const auto map = [&](const Image& image) { return averaged_down(image, &sample.mask, factor); };
   Example example;
   example.name = file + " under " + light.name;
   example.person = person_of(sample, path);
   example.half_frame_cm = length_of(sample, file, "ohb:displacementRange_cm");
-  Image normal = map(sample.normal), displacement = map(sample.displacement);
-  normalise(normal, mask, file);
-  for (float& d : displacement.values) d /= example.half_frame_cm;
   example.input = photograph(averaged_down(light.radiance, nullptr, factor), mask, example.name);
   example.mask = planar(mask);
-  example.truth = {planar(normal),
-                   planar(map(sample.diffuse)),
-                   planar(map(sample.roughness)),
-                   planar(map(sample.specular)),
-                   planar(map(sample.sss)),
-                   planar(displacement)};
+  for (const LearnedMap& map : kMaps) {
+    Image image = averaged_down(sample.*map.image, &sample.mask, factor);
+    if (map.image == &Sample::normal) normalise(image, mask, file);
+    if (map.image == &Sample::displacement)
+      for (float& d : image.values) d /= example.half_frame_cm;
+    example.truth.*map.tensor = planar(image);
+  }
   return example;
 }
 

@@ -30,15 +30,13 @@ Image image_of(const Tensor& map) {
 /// The maps with the background at fixed values.
 MaterialMaps on_black(const MaterialMaps& maps, const Tensor& mask) {
   const Tensor inside = mask > 0;
-  const auto keep = [&](const Tensor& map) { return torch::where(inside, map, torch::zeros_like(map)); };
-  Tensor towards = torch::zeros_like(maps.normal);
-  towards.select(1, 2).fill_(1);
-  return {torch::where(inside, maps.normal, towards),
-          keep(maps.diffuse),
-          keep(maps.roughness),
-          keep(maps.specular),
-          keep(maps.sss),
-          keep(maps.displacement)};
+  MaterialMaps black;
+  for (const LearnedMap& map : kMaps) {
+    Tensor background = torch::zeros_like(maps.*map.tensor);
+    if (map.tensor == &MaterialMaps::normal) background.select(1, 2).fill_(1);
+    black.*map.tensor = torch::where(inside, maps.*map.tensor, background);
+  }
+  return black;
 }
 
 /// The frame in cm, from the height that the mask covers.
@@ -59,69 +57,54 @@ void write_pngs(const fs::path& folder, const MaterialMaps& maps, const Foregrou
     write_png(folder / (std::string(name) + ".png"), image_of(map), kPngBits);
   };
   write("mask", foreground.mask);
-  write("normal", (maps.normal + 1) / 2);
-  write("diffuse", srgb_of(maps.diffuse));
-  write("roughness", maps.roughness);
-  write("specular", maps.specular);
-  write("sss", maps.sss);
-  write("displacement", 0.5 + maps.displacement / 2);
+  for (const LearnedMap& map : kMaps) write(map.name, stored_values(map, maps));
   write("input", (foreground.input.slice(1, 0, 3) + 1) / 2);
 }
 
 void write_maps_exr(const fs::path& file, const MaterialMaps& maps, const Tensor& mask,
                     const PictureFrame& frame) {
-  const auto part = [](const char* name, std::vector<std::string> channels, const Tensor& map) {
-    return ExrPart{name, std::move(channels), ExrPart::Type::kFloat, image_of(map)};
-  };
-  write_exr(file,
-            {part("mask", {"A"}, mask), part("normal", {"X", "Y", "Z"}, maps.normal),
-             part("diffuse", {"R", "G", "B"}, maps.diffuse), part("roughness", {"Y"}, maps.roughness),
-             part("specular", {"Y"}, maps.specular), part("sss", {"Y"}, maps.sss),
-             part("displacement", {"Y"}, maps.displacement * frame.half_cm)},
-            {{"ohb:displacementRange_cm", std::to_string(frame.half_cm)}});
+  std::vector<ExrPart> parts = {{"mask", {"A"}, ExrPart::Type::kFloat, image_of(mask)}};
+  for (const LearnedMap& map : kMaps) {
+    const bool is_length = map.tensor == &MaterialMaps::displacement;
+    std::vector<std::string> channels;
+    for (const char channel : map.channels) channels.emplace_back(1, channel);
+    parts.push_back({map.name, channels, ExrPart::Type::kFloat,
+                     image_of(is_length ? maps.*map.tensor * frame.half_cm : maps.*map.tensor)});
+  }
+  write_exr(file, parts, {{"ohb:displacementRange_cm", std::to_string(frame.half_cm)}});
 }
 
 nlohmann::json maps_json(const EstimateOptions& options, const EstimateReport& report,
                          const PictureFrame& frame) {
-  nlohmann::json maps;
-  for (const auto& [name, encoding] : {std::pair{"mask", "coverage"},
-                                       {"normal", "offset"},
-                                       {"diffuse", "srgb"},
-                                       {"roughness", "value"},
-                                       {"specular", "srgb_f0"},
-                                       {"sss", "value"},
-                                       {"displacement", "offset"}})
-    maps[name] = {{"file", std::string(name) + ".png"}, {"encoding", encoding}};
+  nlohmann::json maps = {{"mask", {{"file", "mask.png"}, {"encoding", "coverage"}}}};
+  nlohmann::json conventions = {
+      {"axes", "right-handed, +X right, +Y up, +Z to the viewer, soles at y = 0"},
+      {"mask", "share of the pixel that is covered; the other maps are averages over the covered part"},
+      {"exr",
+       "maps.exr holds the same maps as float parts: normal signed, diffuse linear, displacement in cm"}};
+  for (const LearnedMap& map : kMaps) {
+    maps[map.name] = {{"file", std::string(map.name) + ".png"}, {"encoding", map.encoding}};
+    conventions[map.name] = map.convention;
+  }
   maps["displacement"]["r_cm"] = frame.half_cm;
-  return {
-      {"format", "humanmaterial.maps"},
-      {"version", 1},
-      {"unit", "cm"},
-      {"size_px", {report.size_px, report.size_px}},
-      {"camera",
-       {{"type", "perspective"},
-        {"distance_cm", frame.half_cm / kHalfWidth},
-        {"half_width", kHalfWidth},
-        {"center_y_cm", frame.center_y_cm}}},
-      {"maps", maps},
-      {"conventions",
-       {{"axes", "right-handed, +X right, +Y up, +Z to the viewer, soles at y = 0"},
-        {"normal", "camera space: +X right, +Y up, +Z to the viewer; (n + 1) / 2"},
-        {"diffuse", "Rec. 709, sRGB-encoded"},
-        {"roughness", "perceptual; GGX alpha = roughness squared"},
-        {"specular", "F0 = sRGB_to_linear(S)"},
-        {"sss", "Principled subsurface; scattering radius = sss x (1.0, 0.2, 0.1) cm"},
-        {"displacement", "0.5 + d / (2 r_cm), d in cm from the plane z = 0, positive towards the camera"},
-        {"mask", "share of the pixel that is covered; the other maps are averages over the covered part"},
-        {"exr",
-         "maps.exr holds the same maps as float parts: normal signed, diffuse linear, displacement in cm"}}},
-      {"source",
-       {{"program", "humanmaterial " OHB_VERSION},
-        {"photo", options.photo.filename().string()},
-        {"photo_crop_px",
-         {{"left", report.crop.left_px}, {"top", report.crop.top_px}, {"side", report.crop.side_px}}},
-        {"assumed_person_height_cm", options.person_height_cm},
-        {"finetuned", report.finetuned}}}};
+  return {{"format", "humanmaterial.maps"},
+          {"version", 1},
+          {"unit", "cm"},
+          {"size_px", {report.size_px, report.size_px}},
+          {"camera",
+           {{"type", "perspective"},
+            {"distance_cm", frame.half_cm / kHalfWidth},
+            {"half_width", kHalfWidth},
+            {"center_y_cm", frame.center_y_cm}}},
+          {"maps", maps},
+          {"conventions", conventions},
+          {"source",
+           {{"program", "humanmaterial " OHB_VERSION},
+            {"photo", options.photo.filename().string()},
+            {"photo_crop_px",
+             {{"left", report.crop.left_px}, {"top", report.crop.top_px}, {"side", report.crop.side_px}}},
+            {"assumed_person_height_cm", options.person_height_cm},
+            {"finetuned", report.finetuned}}}};
 }
 
 }  // namespace

@@ -76,9 +76,9 @@ std::vector<std::string> people_of(const EvaluateOptions& options, const Dataset
   return found;
 }
 
-/// Mean of the encoded maps over the foreground of (some of) the views: (1, 10, 1, 1).
+/// Mean of the encoded maps over the foreground of (some of) the views: (1, channels, 1, 1).
 Tensor mean_maps(const std::vector<fs::path>& views, int size_px) {
-  Tensor sum = torch::zeros({1, 10, 1, 1}, torch::kDouble);
+  Tensor sum = torch::zeros({1, output_channels(Task::kFinetune), 1, 1}, torch::kDouble);
   double weight = 0;
   const size_t stride = std::max<size_t>(1, views.size() / kViewsForConstant);
   for (size_t i = 0; i < views.size(); i += stride) {
@@ -92,7 +92,7 @@ Tensor mean_maps(const std::vector<fs::path>& views, int size_px) {
 
 MaterialMaps constant_maps(const Tensor& mean, const MaterialMaps& truth) {
   return maps_of(Task::kFinetune,
-                 mean.expand({1, 10, truth.normal.size(2), truth.normal.size(3)}).contiguous(), {});
+                 mean.expand({1, mean.size(1), truth.normal.size(2), truth.normal.size(3)}).contiguous(), {});
 }
 
 /// The foreground's colour as it is, without the mask in it.
@@ -168,8 +168,8 @@ class Evaluation {
 
 double material_mean(const Scores& scores, double Psnr::*value) {
   double sum = 0;
-  for (size_t i = 0; i < kMaterialColumns; ++i) sum += scores[i].*value;
-  return sum / static_cast<double>(kMaterialColumns);
+  for (size_t i = 0; i < kMaps.size(); ++i) sum += scores[i].*value;
+  return sum / static_cast<double>(kMaps.size());
 }
 
 std::string table_of(const EvaluationReport& report, double Psnr::*value, const std::string& title) {

@@ -34,9 +34,10 @@ Psnr psnr(const Tensor& a, const Tensor& b, const Tensor& mask) {
 }
 
 std::array<Tensor, kColumns.size()> columns_of(const MaterialMaps& maps) {
-  const Tensor relit = render_maps(maps, {evaluation_light()}).squeeze(1);
-  return {(maps.normal + 1) / 2,       srgb_of(maps.diffuse), maps.roughness, maps.specular, maps.sss,
-          0.5 + maps.displacement / 2, srgb_of(relit)};
+  std::array<Tensor, kColumns.size()> columns;
+  for (size_t i = 0; i < kMaps.size(); ++i) columns[i] = stored_values(kMaps[i], maps);
+  columns[kMaps.size()] = srgb_of(render_maps(maps, {evaluation_light()}).squeeze(1));
+  return columns;
 }
 
 Scores scores_of(const MaterialMaps& estimate, const MaterialMaps& truth, const Tensor& mask) {

@@ -9,10 +9,15 @@
 
 namespace ohb::learner {
 
-/// Columns of the paper's tables: normal, diffuse, roughness, specular, subsurface, displacement, and the
-/// picture relit by the fixed point light.
-constexpr std::array<const char*, 7> kColumns = {"N", "D", "R", "S", "SSS", "Disp", "Point"};
-constexpr size_t kMaterialColumns = 6;
+constexpr std::array<const char*, kMaps.size() + 1> column_names() {
+  std::array<const char*, kMaps.size() + 1> names{};
+  for (size_t i = 0; i < kMaps.size(); ++i) names[i] = kMaps[i].column;
+  names[kMaps.size()] = "Point";
+  return names;
+}
+
+/// Columns of the paper's tables: those of kMaps, and the picture relit by the fixed point light.
+constexpr auto kColumns = column_names();
 
 /// Decibels. PSNR = 10 log10(1 / MSE) over pixels and channels of values in [0, 1], at most 100.
 struct Psnr {
@@ -23,8 +28,8 @@ struct Psnr {
 /// a and b (1, C, H, W), mask (1, 1, H, W) with some foreground.
 Psnr psnr(const torch::Tensor& a, const torch::Tensor& b, const torch::Tensor& mask);
 
-/// What the columns compare, each (1, C, H, W) in [0, 1]: normal as (n + 1) / 2, diffuse and the relit
-/// picture sRGB-encoded, displacement as 0.5 + d / 2, the others as they are.
+/// What the columns compare, each (1, C, H, W) in [0, 1]: stored_values of each map, and the relit picture
+/// sRGB-encoded.
 std::array<torch::Tensor, kColumns.size()> columns_of(const MaterialMaps& maps);
 
 /// The mean of scores, an array or vector of Psnr, column by column.

@@ -214,7 +214,7 @@ FinetuneNetImpl::FinetuneNetImpl(double width)
 
 Tensor FinetuneNetImpl::forward(Tensor input, Tensor maps) {
   check_input(input, 4);
-  check_input(maps, 10);
+  check_input(maps, 7 + rss_channels());
   const Tensor mask = input.slice(1, 3, 4);
   // The background of the maps means nothing: it is set to the middle.
   const Tensor signed_maps = (2 * maps - 1) * (0.5 * (mask + 1));

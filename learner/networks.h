@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "learner/maps.h"
 #include "learner/torch.h"
 
 namespace ohb::learner {
@@ -99,12 +100,12 @@ struct PriorNetImpl : torch::nn::Module {
 TORCH_MODULE(PriorNet);
 
 /// The finetuning model. `maps` (B, 10, H, W) in (0, 1) are the guidance: normal 3, displacement 1, diffuse
-/// 3, roughness, specular, sss, as the priors put them out; the output has the same ten channels.
+/// 3, rss 3, as the priors put them out; the output has the same ten channels.
 struct FinetuneNetImpl : torch::nn::Module {
   explicit FinetuneNetImpl(double width);
   torch::Tensor forward(torch::Tensor input, torch::Tensor maps);
 
-  static constexpr std::array<int64_t, 4> kChannels = {3, 1, 3, 3};
+  static constexpr std::array<int64_t, 4> kChannels = {3, 1, 3, rss_channels()};
   static constexpr std::array<const char*, 4> kNames = {"normal", "displacement", "diffuse", "rss"};
   LatentEncoder encoder{nullptr};
   FusionBlock fusion{nullptr};

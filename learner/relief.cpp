@@ -171,10 +171,8 @@ TextureSet texels_of(const MaterialMaps& maps, const Tensor& known) {
   };
   TextureSet set;
   set.name = "maps";
-  set.albedo = image(maps.diffuse);
-  set.roughness = image(maps.roughness);
-  set.specular = image(maps.specular);
-  set.sss = image(maps.sss);
+  for (const LearnedMap& map : kMaps)
+    if (map.texels) set.*map.texels = image(maps.*map.tensor);
   set.displacement = Image(n, n, 1);
   set.valid = image(known.to(torch::kFloat));
   return set;
@@ -184,9 +182,7 @@ TextureSet texels_of(const MaterialMaps& maps, const Tensor& known) {
 
 Tensor known_pixels(const MaterialMaps& maps, const Tensor& mask) {
   Tensor known = mask > 0;
-  for (const Tensor* map :
-       {&maps.normal, &maps.diffuse, &maps.roughness, &maps.specular, &maps.sss, &maps.displacement})
-    known = known & torch::isfinite(*map).all(1, true);
+  for (const LearnedMap& map : kMaps) known = known & torch::isfinite(maps.*map.tensor).all(1, true);
   return known;
 }
 

@@ -6,9 +6,6 @@
 namespace ohb::learner {
 namespace {
 
-// Largest less smallest value in the table of materials (assets/materials.xml).
-constexpr double kRoughnessSpan = 0.6, kSpecularSpan = 0.079, kSssSpan = 0.08;
-
 using torch::Tensor;
 
 constexpr double kGeometryRoughness = 0.2, kGeometrySpecular = 0.5;
@@ -19,7 +16,10 @@ Tensor encoded_geometry(const MaterialMaps& maps) {
 }
 
 Tensor encoded_rss(const MaterialMaps& maps) {
-  return torch::cat({maps.roughness, maps.specular, maps.sss}, 1);
+  std::vector<Tensor> channels;
+  for (const LearnedMap& map : kMaps)
+    if (is_of_rss(map)) channels.push_back(maps.*map.tensor);
+  return torch::cat(channels, 1);
 }
 
 void set_geometry(MaterialMaps& maps, const Tensor& output, int64_t at) {
@@ -28,17 +28,20 @@ void set_geometry(MaterialMaps& maps, const Tensor& output, int64_t at) {
 }
 
 void set_rss(MaterialMaps& maps, const Tensor& output, int64_t at) {
-  maps.roughness = output.slice(1, at, at + 1);
-  maps.specular = output.slice(1, at + 1, at + 2);
-  maps.sss = output.slice(1, at + 2, at + 3);
+  for (const LearnedMap& map : kMaps)
+    if (is_of_rss(map)) maps.*map.tensor = output.slice(1, at, at + 1), ++at;
 }
 
-/// The last three channels of absolute differences in equal units; roughness keeps its weight.
+/// The rss channels, which are last, of absolute differences in equal units; the first (roughness) keeps its
+/// weight.
 Tensor with_balanced_rss(const Tensor& difference) {
-  const int64_t others = difference.size(1) - 3;
-  const Tensor span = torch::tensor({kRoughnessSpan, kSpecularSpan, kSssSpan}, difference.options());
-  const Tensor x = difference.slice(1, others) / span.view({1, 3, 1, 1});
-  const Tensor balanced = kRoughnessSpan / 2 * (x + x.square());
+  std::vector<double> spans;
+  for (const LearnedMap& map : kMaps)
+    if (is_of_rss(map)) spans.push_back(map.span);
+  const int64_t others = difference.size(1) - rss_channels();
+  const Tensor span = torch::tensor(spans, difference.options());
+  const Tensor x = difference.slice(1, others) / span.view({1, -1, 1, 1});
+  const Tensor balanced = spans[0] / 2 * (x + x.square());
   return others == 0 ? balanced : torch::cat({difference.slice(1, 0, others), balanced}, 1);
 }
 
@@ -84,7 +87,17 @@ Network make_network(Task task, double width) {
 }
 
 int64_t output_channels(Task task) {
-  return task == Task::kGeometry ? 4 : task == Task::kFinetune ? 10 : 3;
+  switch (task) {
+    case Task::kGeometry:
+      return 4;
+    case Task::kAlbedo:
+      return 3;
+    case Task::kRss:
+      return rss_channels();
+    case Task::kFinetune:
+      break;
+  }
+  return 7 + rss_channels();
 }
 
 Tensor encoded_maps(Task task, const MaterialMaps& maps) {
@@ -108,6 +121,12 @@ MaterialMaps maps_of(Task task, const Tensor& output, MaterialMaps maps) {
   if (task == Task::kRss) set_rss(maps, output, 0);
   if (task == Task::kFinetune) set_rss(maps, output, 7);
   return maps;
+}
+
+Tensor stored_values(const LearnedMap& map, const MaterialMaps& maps) {
+  const Tensor& values = maps.*map.tensor;
+  if (map.encoding == "offset") return 0.5 + values / 2;
+  return map.encoding == "srgb" ? srgb_of(values) : values;
 }
 
 MaterialMaps controlled(Task task, MaterialMaps maps) {

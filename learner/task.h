@@ -33,7 +33,7 @@ struct Network {
 Network make_network(Task task, double width);
 
 /// geometry 4: normal as (n + 1) / 2, displacement as 0.5 + d / 2 (d in half frames). albedo 3: sRGB-encoded.
-/// rss 3: roughness, S, sss. finetune 10: normal, displacement, albedo, rss.
+/// rss 3: those of kMaps with a span (roughness, S, sss). finetune 10: normal, displacement, albedo, rss.
 int64_t output_channels(Task task);
 
 /// The maps as a network of that task puts them out; the inverse of maps_of.
@@ -41,6 +41,9 @@ torch::Tensor encoded_maps(Task task, const MaterialMaps& maps);
 
 /// `maps` with those of the task replaced by its output (normals of unit length, albedo linear).
 MaterialMaps maps_of(Task task, const torch::Tensor& output, MaterialMaps maps);
+
+/// A map of `maps` as its PNG holds it, in [0, 1]: LearnedMap::encoding.
+torch::Tensor stored_values(const LearnedMap& map, const MaterialMaps& maps);
 
 /// Controlled PBR rendering (CPR): the materials that a prior does not estimate are held, in truth and
 /// prediction alike, at values that make its own matter most. geometry: roughness 0.2, S 0.5; albedo:

@@ -36,11 +36,10 @@ struct Batch {
 
 /// Left and right exchanged: x components of normals change their sign.
 void mirror(Example& e) {
-  MaterialMaps& m = e.truth;
-  for (Tensor* map :
-       {&e.input, &e.mask, &m.normal, &m.diffuse, &m.roughness, &m.specular, &m.sss, &m.displacement})
-    *map = map->flip(3);
-  m.normal.select(1, 0).neg_();
+  e.input = e.input.flip(3);
+  e.mask = e.mask.flip(3);
+  for (const LearnedMap& map : kMaps) e.truth.*map.tensor = (e.truth.*map.tensor).flip(3);
+  e.truth.normal.select(1, 0).neg_();
 }
 
 /// Keys of what is done to examples; 0: nothing.
@@ -68,12 +67,8 @@ Batch next_batch(Loader& loader, int size, const Augmentation& augmentation, uin
   for (const Example& e : examples) batch.names.push_back(e.name);
   batch.input = joined([](const Example& e) { return e.input; });
   batch.mask = joined([](const Example& e) { return e.mask; });
-  batch.truth = {joined([](const Example& e) { return e.truth.normal; }),
-                 joined([](const Example& e) { return e.truth.diffuse; }),
-                 joined([](const Example& e) { return e.truth.roughness; }),
-                 joined([](const Example& e) { return e.truth.specular; }),
-                 joined([](const Example& e) { return e.truth.sss; }),
-                 joined([](const Example& e) { return e.truth.displacement; })};
+  for (const LearnedMap& map : kMaps)
+    batch.truth.*map.tensor = joined([&](const Example& e) { return e.truth.*map.tensor; });
   return batch;
 }
 
