@@ -120,6 +120,7 @@ def relight(options):
     environment.show_background(scene, options.background == "environment")
     render.prepare(scene, options.spp, options.seed)
     set_size(scene, options.size)
+    material.set_visible_scattering(skin, loaded.info.camera.frame_width_cm / scene.render.resolution_x)
     render.set_pixel_exact(scene, skin, scene.render.resolution_x == loaded.info.width_px)
     loaded_at = time.monotonic()
     render.to_file(scene, options.output)

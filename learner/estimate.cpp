@@ -8,6 +8,7 @@
 #include "dataset/model/camera.h"
 #include "dataset/model/error.h"
 #include "dataset/model/json_text.h"
+#include "dataset/model/scattering.h"
 
 namespace ohb::learner {
 namespace fs = std::filesystem;
@@ -27,7 +28,7 @@ Image image_of(const Tensor& map) {
   return image;
 }
 
-/// The maps with the background at fixed values.
+/// The maps with the background at fixed values, and no scattering where there is as good as none.
 MaterialMaps on_black(const MaterialMaps& maps, const Tensor& mask) {
   const Tensor inside = mask > 0;
   MaterialMaps black;
@@ -36,6 +37,7 @@ MaterialMaps on_black(const MaterialMaps& maps, const Tensor& mask) {
     if (map.tensor == &MaterialMaps::normal) background.select(1, 2).fill_(1);
     black.*map.tensor = torch::where(inside, maps.*map.tensor, background);
   }
+  black.sss = torch::where(black.sss < kLeastScattering, torch::zeros_like(black.sss), black.sss);
   return black;
 }
 

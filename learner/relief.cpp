@@ -15,6 +15,9 @@ constexpr int kNowhere = -1;
 constexpr float kSteepest =
     4;  // depth over width beyond the outline, where normals are at their least certain
 
+constexpr int kPitPx = 2;    // pits of at most so many pixels across are mended ...
+constexpr float kPitCm = 1;  // ... that are deeper than this
+
 struct Place {
   int x = 0, y = 0;
 };
@@ -57,22 +60,66 @@ std::vector<int> sources_of(const Tensor& known, int n) {
   return sources;
 }
 
+/// Morphological closing of depths by a segment of kPitPx + 1 pixels in one direction: the lowest of the
+/// segments through a pixel, each counting as its highest known pixel.
+float closed_depth(const std::vector<float>& depths_cm, const bool* known, int n, int pixel, Place step) {
+  const int x = pixel % n, y = pixel / n;
+  float lowest = INFINITY;
+  for (int first = -kPitPx; first <= 0; ++first) {
+    float highest = -INFINITY;
+    for (int k = first; k <= first + kPitPx; ++k) {
+      const int i = x + k * step.x, j = y + k * step.y;
+      if (i >= 0 && j >= 0 && i < n && j < n && known[j * n + i])
+        highest = std::max(highest, depths_cm[static_cast<size_t>(j * n + i)]);
+    }
+    lowest = std::min(lowest, highest);
+  }
+  return lowest;
+}
+
+/// Fills isolated pits. A pixel on an edge holds the mean of near and far, where nothing is (the corner of a
+/// mouth, a gap between strands of hair): a hole there is black under any light. A pit is closed in along
+/// rows, columns and both diagonals, so slopes, steps, creases and the person's outline stay. The same as
+/// mend_pits in blender_addon's decode.py.
+std::vector<float> without_pits(const std::vector<float>& depths_cm, const Tensor& known, int n) {
+  constexpr std::array<Place, 4> kLines = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};
+  const Tensor flat = known.contiguous();
+  const bool* is_known = flat.data_ptr<bool>();
+  std::vector<float> mended = depths_cm;
+  for (int p = 0; p < n * n; ++p) {
+    if (!is_known[p]) continue;
+    float level = INFINITY;
+    for (const Place line : kLines) level = std::min(level, closed_depth(depths_cm, is_known, n, p, line));
+    if (level > depths_cm[static_cast<size_t>(p)] + kPitCm) mended[static_cast<size_t>(p)] = level;
+  }
+  return mended;
+}
+
+/// Depth of each pixel in cm, without pits.
+std::vector<float> depths_of(const MaterialMaps& maps, const Tensor& known, float half_frame_cm) {
+  const Planes displacement(maps.displacement);
+  const int n = static_cast<int>(maps.normal.size(3));
+  std::vector<float> depths_cm(static_cast<size_t>(n) * n);
+  for (int p = 0; p < n * n; ++p) depths_cm[static_cast<size_t>(p)] = half_frame_cm * displacement.at(0, p);
+  return without_pits(depths_cm, known, n);
+}
+
 class ReliefBuilder {
  public:
-  ReliefBuilder(const MaterialMaps& maps, const Camera& camera, float half_frame_cm, float jump_cm,
-                std::vector<int> sources)
+  /// depths_cm: of each pixel; sources: as sources_of gives them.
+  ReliefBuilder(const Tensor& normals, const Camera& camera, float half_frame_cm, float jump_cm,
+                const std::vector<float>& depths_cm, std::vector<int> sources)
       : camera_(camera),
-        size_px_(static_cast<int>(maps.normal.size(3))),
+        size_px_(static_cast<int>(normals.size(3))),
         jump_cm_(jump_cm),
-        normals_(maps.normal),
+        normals_(normals),
         sources_(std::move(sources)),
         vertices_(sources_.size(), 0) {
-    const Planes displacement(maps.displacement);
     const float pixel_cm = 2 * half_frame_cm / static_cast<float>(size_px_);
     for (int p = 0; p < size_px_ * size_px_; ++p) {
       const int source = sources_[static_cast<size_t>(p)];
       depths_cm_.push_back(source == kNowhere ? 0
-                                              : half_frame_cm * displacement.at(0, source) +
+                                              : depths_cm[static_cast<size_t>(source)] +
                                                     pixel_cm * slope_between(source, p));
     }
   }
@@ -190,7 +237,9 @@ Model relief_of(const MaterialMaps& maps, const Tensor& mask, const Camera& came
                 float jump_cm) {
   const Tensor known = known_pixels(maps, mask);
   std::vector<int> sources = sources_of(known, static_cast<int>(mask.size(3)));
-  Model model = ReliefBuilder(maps, camera, half_frame_cm, jump_cm, std::move(sources)).build();
+  const std::vector<float> depths_cm = depths_of(maps, known, half_frame_cm);
+  Model model =
+      ReliefBuilder(maps.normal, camera, half_frame_cm, jump_cm, depths_cm, std::move(sources)).build();
   model.name = "relief";
   model.sets = {texels_of(maps, known)};
   return model;

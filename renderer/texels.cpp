@@ -6,6 +6,7 @@
 #include <new>
 
 #include "dataset/model/parallel.h"
+#include "dataset/model/scattering.h"
 
 namespace ohb::renderer {
 namespace {
@@ -42,7 +43,7 @@ Texels::Texels(const TextureSet& set)
       v[3] = to_half(has_alpha_ ? set.alpha.values[i] : 1.0f);
       v[4] = to_half(set.roughness.values[i]);
       v[5] = to_half(set.specular.values[i]);
-      v[6] = to_half(set.sss.values[i]);
+      v[6] = to_half(scattering_of(set.sss.values[i]));
       v[7] = 0;
       if (normals_)
         normals_[i] = {to_half(set.normal.values[3 * i]), to_half(set.normal.values[3 * i + 1]),

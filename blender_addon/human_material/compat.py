@@ -109,6 +109,13 @@ def set_cut_out(material):
         material.shadow_method = "HASHED"
 
 
+def set_vertex_normals(mesh, normals):
+    """Smooth shading by the given normals, one (x, y, z) a vertex."""
+    if hasattr(mesh, "use_auto_smooth"):   # up to 4.0 custom normals count only with it
+        mesh.use_auto_smooth = True
+    mesh.normals_split_custom_set_from_vertices(normals)
+
+
 # Rendering ----------------------------------------------------------------------------------------------
 
 def set_cycles(scene, samples, seed):

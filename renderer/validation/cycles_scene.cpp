@@ -8,6 +8,7 @@
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/json_text.h"
 #include "dataset/model/sampling.h"
+#include "dataset/model/scattering.h"
 
 namespace ohb::validation {
 namespace fs = std::filesystem;
@@ -79,9 +80,10 @@ void write_map(const fs::path& file, const Image& image, ExrPart::Type type) {
   write_exr(file, {part}, {});
 }
 
-Image rounded_to_half(Image image) {
-  for (float& value : image.values) value = static_cast<float>(half(value));
-  return image;
+/// The subsurface map as the renderer's texels hold it.
+Image as_in_texels(Image sss) {
+  for (float& value : sss.values) value = static_cast<float>(half(scattering_of(value)));
+  return sss;
 }
 
 json write_texture_set(const fs::path& folder, const TextureSet& set, size_t number) {
@@ -97,7 +99,7 @@ json write_texture_set(const fs::path& folder, const TextureSet& set, size_t num
     const std::string file = "maps/" + std::to_string(number) + "_" + name + ".exr";
     // Cycles 3.4 reads a half of 0 as 2^-15 (measured), more than kLeastSubsurface: all would scatter.
     if (image == &set.sss)
-      write_map(folder / file, rounded_to_half(*image), ExrPart::Type::kFloat);
+      write_map(folder / file, as_in_texels(*image), ExrPart::Type::kFloat);
     else
       write_map(folder / file, *image, ExrPart::Type::kHalf);
     description[name] = file;

@@ -249,6 +249,25 @@ TEST(Subsurface, WalksThroughASheetEqualAnalogOnes) {
     }
 }
 
+TEST(Subsurface, LittleOfItIsNone) {
+  RenderSettings settings;
+  settings.size_px = 16;
+  settings.spp = 16;
+  const auto lights = prepare_lights({white_environment()}, {});
+  const auto radiance_at = [&](float sss) {
+    TestMaterial material = subsurface_material({0.6f, 0.4f, 0.2f});
+    material.sss = sss;
+    return render_lights(
+               {*build_scene(plane_model(1000, constant_set(material))), *lights, narrow_camera(500), 0},
+               settings)[0]
+        .radiance.values;
+  };
+  const auto none = radiance_at(0);
+  EXPECT_EQ(radiance_at(0.002f), none);
+  EXPECT_EQ(radiance_at(0.0099f), none);
+  EXPECT_NE(radiance_at(0.0101f), none);
+}
+
 TEST(Subsurface, SwitchedOffItIsDiffuse) {
   TestMaterial with = subsurface_material({0.6f, 0.4f, 0.2f}), without = with;
   without.sss = 0;

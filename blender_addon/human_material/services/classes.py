@@ -15,7 +15,9 @@ from . import decode
 
 _FILE = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "data", "materials.json")
 with open(_FILE, encoding="utf-8") as _stream:
-    TABLE = json.load(_stream)["classes"]
+    _DATA = json.load(_stream)
+TABLE = _DATA["classes"]
+LEAST_SSS = _DATA["least_sss"]   # a map below this says that light does not scatter
 NAMES = tuple(entry["name"] for entry in TABLE)
 
 SSS_SCALE = 5.0         # subsurface counts five times: its range is a tenth of the others'

@@ -121,26 +121,76 @@ def grow(values, channels, known, width, height, steps):
         border = list(sums)
 
 
-MIN_FACING = 0.2   # normals are taken to look at the viewer at least so much: slopes of at most 5
+PIT_PX = 2     # pits of at most so many pixels across are mended ...
+PIT_CM = 1.0   # ... that are deeper than this
+
+
+def mend_pits(depth_cm, known, width, height):
+    """Fills isolated pits, in place. A pixel on an edge holds the mean of near and far, where nothing is (the corner
+    of a mouth, a gap between strands of hair): a hole there is black under any light. A pit is closed in along rows,
+    columns and both diagonals, so slopes, steps, creases and the person's outline stay."""
+    filled = {}
+    for p in range(width * height):
+        if known[p]:
+            bottom = depth_cm[p] + PIT_CM
+            levels = []
+            for dx, dy in ((1, 0), (0, 1), (1, 1), (1, -1)):
+                levels.append(_closed(depth_cm, known, p, dx, dy, width, height))
+                if levels[-1] <= bottom:
+                    break
+            else:
+                filled[p] = min(levels)
+    for p, level in filled.items():
+        depth_cm[p] = level
+
+
+def _closed(depth_cm, known, p, dx, dy, width, height):
+    """Morphological closing by a segment of PIT_PX + 1 pixels in one direction: the lowest of the segments through
+    p, each counting as its highest known pixel."""
+    x, y = p % width, p // width
+    line = []
+    for step in range(-PIT_PX, PIT_PX + 1):
+        u, v = x + step * dx, y + step * dy
+        inside = 0 <= u < width and 0 <= v < height and known[v * width + u]
+        line.append(depth_cm[v * width + u] if inside else -math.inf)
+    return min(max(line[i:i + PIT_PX + 1]) for i in range(PIT_PX + 1))
+
+
+MIN_FACING = 0.2   # normals are taken to look at the viewer at least so much
+MOST_FALL_CM = 4.0   # of a pixel beyond the outline: more than a depth jump would be cut
 
 
 def grow_depth(depth_cm, normals, known, width, height, steps, pixel_cm):
-    """Like grow, but the surface goes on along its own tangent planes: at the outline it turns away from the viewer
-    as the person does, so that light from the side and from behind reaches it. Normals are grown already."""
+    """Like grow, but the surface goes on and turns away from the viewer as the person does, so that light from the
+    side and from behind reaches it. From a pixel whose normal looks at the viewer by c = cos a, a round body falls
+    by (1 + sin a) / c for each unit of the way to its outline: more than its tangent plane. Normals are grown
+    already."""
     border = [p for p in range(width * height) if known[p]]
     for _ in range(steps):
         found = {}
         for p in border:
             nx, ny, nz = normals[3 * p:3 * p + 3]
             facing = max(nz, MIN_FACING) / pixel_cm
+            side = math.hypot(nx, ny)
+            turn = (1 + side) / side if side > 1e-6 else 1.0
             for q in neighbours(p, width, height):
                 if not known[q]:
                     right, up = q % width - p % width, q // width - p // width
-                    found.setdefault(q, []).append(depth_cm[p] - (nx * right + ny * up) / facing)
+                    fall_cm = (nx * right + ny * up) / facing
+                    fall_cm = min(turn * fall_cm, MOST_FALL_CM) if fall_cm > 0 else fall_cm
+                    found.setdefault(q, []).append(depth_cm[p] - fall_cm)
         for q, depths in found.items():
             depth_cm[q] = sum(depths) / len(depths)
             known[q] = 1
         border = list(found)
+
+
+def turn_away(normals, mask, known):
+    """Beyond the outline normals look away from the viewer, mirrored at the picture's plane: interpolated, those of a
+    pixel at the outline turn within it until they look sideways, as on a round body."""
+    for p in range(len(mask)):
+        if known[p] and not mask[p] > 0:
+            normals[3 * p + 2] = -normals[3 * p + 2]
 
 
 def neighbours(p, width, height):

@@ -127,6 +127,8 @@ def _grown(rasters, shares, mask, info):
         known = bytearray(value > 0 for value in mask)
         decode.grow(shares if name is None else rasters[name], channels, known, width, height, GROW_PX)
     known = bytearray(value > 0 for value in mask)
+    decode.mend_pits(rasters["displacement"], known, width, height)
     decode.grow_depth(rasters["displacement"], rasters["normal"], known, width, height, GROW_PX,
                       info.camera.frame_width_cm / width)
+    decode.turn_away(rasters["normal"], mask, known)
     return known

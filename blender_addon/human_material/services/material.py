@@ -7,12 +7,14 @@ services/maps.py. So the nodes are the same for every maps folder and every Blen
 import bpy
 
 from .. import compat
-from . import decode, edit
+from . import classes, decode, edit
 
 RADIUS_M = (0.01, 0.002, 0.001)   # of scattering at sss = 1: (1.0, 0.2, 0.1) cm
 F0_PER_SPECULAR = 0.08
 NODE = "HM_"                      # names of the nodes that other services look for
 SUBSURFACE_SCALE = NODE + "SubsurfaceScale"
+LEAST_RADIUS = NODE + "LeastRadius"
+VISIBLE_PX = 0.5                  # scattering over less than this of a pixel cannot be seen
 PRINCIPLED = NODE + "Principled"
 
 
@@ -106,7 +108,7 @@ def _principled(tree, surface, normal_texture, subsurface_method):
     compat.prepare_principled(node)
     compat.set_subsurface_method(node, subsurface_method)
     specular = math_node(tree, "DIVIDE", surface["f0"], F0_PER_SPECULAR)
-    scale = math_node(tree, "MULTIPLY", surface["sss"], 1.0, name=SUBSURFACE_SCALE)
+    scale = _scattering(tree, surface["sss"])
     for meaning, output in (("base", surface["base"]), ("subsurface_color", surface["base"]),
                             ("roughness", surface["roughness"]), ("specular", specular),
                             ("subsurface_scale", scale), ("normal", _normal(tree, normal_texture))):
@@ -115,6 +117,15 @@ def _principled(tree, surface, normal_texture, subsurface_method):
             tree.links.new(output, target)
     compat.principled_socket(node, "subsurface_radius").default_value = RADIUS_M
     return node
+
+
+def _scattering(tree, sss):
+    """The subsurface map times the factor of SUBSURFACE_SCALE; 0, which Cycles takes as diffuse, where the map says
+    that there is none, and where light scatters over less than LEAST_RADIUS cm."""
+    scaled = math_node(tree, "MULTIPLY", sss, 1.0, name=SUBSURFACE_SCALE)
+    scatters = math_node(tree, "GREATER_THAN", sss, classes.LEAST_SSS * (1 - 1e-6))
+    is_seen = math_node(tree, "GREATER_THAN", scaled, 0.0, name=LEAST_RADIUS)
+    return math_node(tree, "MULTIPLY", scaled, math_node(tree, "MULTIPLY", scatters, is_seen))
 
 
 def _normal(tree, texture):
@@ -143,13 +154,21 @@ def set_subsurface_scale(material, factor):
     material.node_tree.nodes[SUBSURFACE_SCALE].inputs[1].default_value = factor
 
 
+def set_visible_scattering(material, pixel_cm):
+    """Light scatters only where it is seen to, in a picture with pixels of that width; 0: wherever the map says. A
+    walk that ends in the pixel where it began only adds noise."""
+    material.node_tree.nodes[LEAST_RADIUS].inputs[1].default_value = VISIBLE_PX * pixel_cm
+
+
 TEXTURES = ("diffuse", "normal", "rss", "shares")
 
 
 def set_interpolation(material, smooth):
-    """Smooth between the maps' pixels, or each texel as it is."""
+    """Smooth between the maps' pixels, or each texel as it is: all but the normals, which turn within a pixel too; at
+    the outline they end up looking sideways, and light from behind gets there."""
     for key in TEXTURES:
-        material.node_tree.nodes[NODE + key].interpolation = "Linear" if smooth else "Closest"
+        is_linear = smooth or key == "normal"
+        material.node_tree.nodes[NODE + key].interpolation = "Linear" if is_linear else "Closest"
 
 
 def is_ours(material):

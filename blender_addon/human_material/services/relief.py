@@ -8,6 +8,7 @@ import math
 
 import bpy
 
+from .. import compat
 from . import camera, grid, maps, material
 
 PROPERTY = "hm_maps"   # custom property of reliefs: the maps folder
@@ -19,7 +20,10 @@ def load_into(scene, path, jump_cm=grid.DEFAULT_JUMP_CM, match_camera=True, subs
     relief = grid.build(loaded.displacement_cm, loaded.known, *loaded.size, loaded.info.camera, jump_cm)
     name = loaded.info.name
     item = bpy.data.objects.new(name, mesh_of(relief, name))
-    item.data.materials.append(material.build(loaded, name, subsurface_method))
+    compat.set_vertex_normals(item.data, normals_of(relief, loaded))
+    skin = material.build(loaded, name, subsurface_method)
+    material.set_visible_scattering(skin, loaded.info.camera.frame_width_cm / loaded.info.width_px)
+    item.data.materials.append(skin)
     item.rotation_euler = (math.pi / 2, 0, 0)   # the camera's axes, stood upright
     item.location = (0, 0, loaded.info.camera.center_y_cm * grid.CM)
     item[PROPERTY] = loaded.info.folder
@@ -40,6 +44,17 @@ def mesh_of(relief, name):
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
     mesh.update()
     return mesh
+
+
+def normals_of(relief, loaded):
+    """The map's normal at each vertex. Cycles asks the mesh, too, from which side light may come: by its faces alone
+    the outline stays dark under light from behind."""
+    width, height = loaded.size
+    normals = []
+    for u, v in relief.uvs:
+        at = 3 * (min(int(v * height), height - 1) * width + min(int(u * width), width - 1))
+        normals.append(tuple(loaded.normal[at:at + 3]))
+    return normals
 
 
 def is_relief(item):

@@ -17,6 +17,7 @@ sys.path.insert(0, os.path.dirname(HERE))
 
 import bpy  # noqa: E402,F401
 import support  # noqa: E402,F401
+from support import scene  # noqa: E402
 
 DEFAULT = ("test_import", "test_material", "test_light", "test_edit", "test_bad_input", "test_relight")
 
@@ -29,6 +30,7 @@ def main(names):
     skipped = len(result.skipped)
     print("Blender %s: %d passed, %d failed, %d skipped"
           % (bpy.app.version_string, result.testsRun - failed - skipped, failed, skipped), flush=True)
+    scene.remove_folders()
     return failed > 0 or result.testsRun == 0
 
 

@@ -3,15 +3,52 @@ import math
 import unittest
 
 import bpy
+from mathutils import Vector
 from support import maps_folder, scene as s
 
-from human_material.services import environment, lights, relief
+from human_material.services import environment, lights, relief, render
 
 BUMP = maps_folder.Person(24, 24, maps_folder.ORTHOGRAPHIC)
 FLAT = maps_folder.Person(16, 16, maps_folder.ORTHOGRAPHIC, flat=True)
 PEAK, WIDTH = 4000.0, 64
 #: solid angle of a texel at the horizon's first row
 TEXEL = 2 * math.pi / WIDTH * (math.cos(math.pi / 2) - math.cos(math.pi / 2 + math.pi / (WIDTH / 2)))
+
+
+class Ball(maps_folder.Person):
+    """A ball, whose pixels hold what is covered of them: means of 8 x 8 points."""
+
+    FINE = 8
+
+    def points(self, x, y):
+        """(u, v, w) of the points of a pixel that the ball covers, on a ball of radius 1."""
+        result = []
+        for j in range(self.FINE):
+            for i in range(self.FINE):
+                u, v = (c / maps_folder.RADIUS for c in self.place(x + (i + 0.5) / self.FINE - 0.5,
+                                                                  y + (j + 0.5) / self.FINE - 0.5))
+                if u * u + v * v < 1:
+                    result.append((u, v, math.sqrt(1 - u * u - v * v)))
+        return result
+
+    def covered(self, x, y):
+        return len(self.points(x, y)) > 0
+
+    def depth_cm(self, x, y):
+        points = self.points(x, y)
+        return 0.5 * self.frame_cm * maps_folder.RADIUS * sum(p[2] for p in points) / max(1, len(points))
+
+    def normal(self, x, y):
+        return tuple(sum((Vector(p) for p in self.points(x, y)), Vector((0, 0, 0))).normalized())
+
+    def maps(self):
+        return {**super().maps(),
+                "mask": self.raster(lambda x, y: len(self.points(x, y)) / self.FINE ** 2)}
+
+    def shading(self, direction):
+        """Of each pixel, times its coverage: 0.5 x cosine, what a sun of irradiance pi leaves of albedo 0.5."""
+        return self.raster(lambda x, y: sum(0.5 * max(0.0, Vector(p).dot(direction)) for p in self.points(x, y))
+                           / self.FINE ** 2)
 
 
 class Light(unittest.TestCase):
@@ -73,6 +110,26 @@ class Light(unittest.TestCase):
             found = s.rendered(self.scene, 32)
             mean = sum(found[3 * p] for p in centre) / len(centre)
             self.assertAlmostEqual(mean, 0.5 * strength, delta=0.02)
+
+    def test_the_outline_is_lit_from_behind(self):
+        """A ball under a light from behind and above: its outline shows what a ball of albedo 0.5 shows there."""
+        ball = Ball(48, 48, {**maps_folder.ORTHOGRAPHIC, "width_cm": 40.0})
+        item, loaded = s.import_person(self.scene, ball)
+        direction = (0.0, 0.6, -0.8)
+        environment.set_dark(self.scene)
+        sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
+        sun.data.angle, sun.data.energy = 0, math.pi
+        sun.rotation_euler = Vector(lights.to_blender(direction)).to_track_quat("Z", "Y").to_euler()
+        self.scene.collection.objects.link(sun)
+        tree = relief.material_of(item).node_tree
+        diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+        diffuse.inputs["Color"].default_value = (0.5, 0.5, 0.5, 1)
+        tree.links.new(s.source_of(s.socket_of(item, "normal")), diffuse.inputs["Normal"])
+        tree.links.new(diffuse.outputs[0], next(n for n in tree.nodes if n.type == "MIX_SHADER").inputs[2])
+        render.set_pixel_exact(self.scene, relief.material_of(item), True)
+        found = s.rendered(self.scene, 64, box=True)
+        wanted = ball.shading(direction)
+        self.assertAlmostEqual(sum(found[::3]) / sum(wanted), 1, delta=0.2)
 
     def test_point_light_has_the_irradiance_of_its_intensity_at_1_m(self):
         loaded = self.matte(FLAT)

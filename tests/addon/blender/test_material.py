@@ -40,6 +40,24 @@ class Material(unittest.TestCase):
         for p in centre:
             self.assertAlmostEqual(found[3 * p] / self.loaded.f0[p], 1, delta=0.03)
 
+    def test_little_subsurface_is_none(self):
+        """Estimates are never exactly 0 on cloth. Those of less than .01 look as cloth of 0 does, to the last bit."""
+        pictures = []
+        for noise in (0.0, 0.009):
+            scene = s.empty_scene()
+            values = FLAT.raster(lambda x, y: noise * (0.3 + 0.7 * ((7 * x + 3 * y) % 5) / 4))
+            item, _ = s.import_person(scene, FLAT, {"sss": values})
+            s.light_up(scene, (0.3, 0.5, 0.81), sky=0.5, peak=100)
+            pictures.append(list(s.rendered(scene, 16)))
+        self.assertEqual(*pictures)
+
+    def test_scattering_that_no_pixel_shows_is_left_out(self):
+        """160 cm in 16 pixels: .08 cm are not seen. In pixels of .1 cm they are."""
+        s.show(self.item, s.source_of(s.socket_of(self.item, "subsurface_scale")))
+        for pixel_cm, most in ((10.0, 0.0), (0.1, 0.08)):
+            material.set_visible_scattering(relief.material_of(self.item), pixel_cm)
+            self.assertAlmostEqual(max(s.rendered(self.scene, 1, exact=True)), most, delta=1e-3)
+
     def far_from_borders(self, p):
         x, y = p % 16, p // 16
         return abs(x - 7.5) > 2.4 and abs(y - 7.5) > 2.4

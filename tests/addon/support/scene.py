@@ -1,5 +1,7 @@
 """Helpers of the tests that run inside Blender."""
+import atexit
 import os
+import shutil
 import tempfile
 
 import bpy
@@ -11,6 +13,9 @@ from human_material.services import environment, material, relief, render
 from human_material.services.maps import read_raster
 
 
+_ROOT = None   # of all folders of this run
+
+
 def empty_scene():
     """The one scene, with nothing in it."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -18,14 +23,27 @@ def empty_scene():
 
 
 def folder():
-    return tempfile.mkdtemp(prefix="hm")
+    """A new folder, removed when the tests end."""
+    global _ROOT
+    if _ROOT is None:
+        _ROOT = tempfile.mkdtemp(prefix="hm")
+        atexit.register(shutil.rmtree, _ROOT, ignore_errors=True)
+    return tempfile.mkdtemp(dir=_ROOT)
 
 
-def import_person(scene, person, **options):
-    """(object, Maps) of a made-up person."""
+def remove_folders():
+    """What run.py calls where Python ends without its exit handlers."""
+    if _ROOT is not None:
+        shutil.rmtree(_ROOT, ignore_errors=True)
+
+
+def import_person(scene, person, changed=None, **options):
+    """(object, Maps) of a made-up person. Its pixels are centimetres wide: light scatters wherever the map says."""
     path = os.path.join(folder(), "person")
-    maps_folder.write(path, person)
-    return relief.load_into(scene, path, **options)
+    maps_folder.write(path, person, changed)
+    item, loaded = relief.load_into(scene, path, **options)
+    material.set_visible_scattering(relief.material_of(item), 0)
+    return item, loaded
 
 
 def light_up(scene, direction=None, sky=0.0, peak=1000.0, rotation_deg=0.0):
@@ -34,11 +52,12 @@ def light_up(scene, direction=None, sky=0.0, peak=1000.0, rotation_deg=0.0):
     return environment.set_environment(scene, path, rotation_deg)
 
 
-def rendered(scene, samples=16, exact=False):
-    """RGB of each pixel, rows from the bottom. exact: rays through each pixel's centre only."""
+def rendered(scene, samples=16, exact=False, box=False):
+    """RGB of each pixel, rows from the bottom. exact: rays through each pixel's centre only; box: each pixel by
+    itself."""
     render.prepare(scene, samples)
     scene.render.film_transparent = True
-    compat.set_pixel_filter(scene, "POINT" if exact else "SOFT")
+    compat.set_pixel_filter(scene, "POINT" if exact else "BOX" if box else "SOFT")
     path = os.path.join(folder(), "picture.exr")
     render.to_file(scene, path)
     return read_raster(path, 3, scene.render.resolution_x, scene.render.resolution_y)

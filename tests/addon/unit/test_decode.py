@@ -20,6 +20,29 @@ class Decode(unittest.TestCase):
         self.assertAlmostEqual(decode.F0_OF["disney08"](0.35), 0.028)
         self.assertEqual(decode.F0_OF["linear_f0"](0.028), 0.028)
 
+    def test_isolated_pits_are_filled_and_nothing_else(self):
+        size = 9
+        known = bytearray([1]) * (size * size)
+        slope = array("f", [0.4 * (p % size) + 0.15 * (p // size) for p in range(size * size)])
+        for deep, is_pit in (((40,), True), ((40, 41, 49, 50), True), (tuple(range(4, 81, 9)), False),
+                             (tuple(range(36, 45)), False), ((39, 40, 41, 48, 49, 50, 30, 31, 32), False),
+                             (tuple(range(0, 81, 10)), False), ((0,), False)):
+            depth = array("f", slope)
+            for p in deep:
+                depth[p] -= 4
+            before = array("f", depth)
+            decode.mend_pits(depth, known, size, size)
+            for p in range(size * size):
+                if is_pit and p in deep:
+                    self.assertAlmostEqual(depth[p], slope[p], delta=1.2)   # to the lowest neighbour
+                else:
+                    self.assertEqual(depth[p], before[p], (deep, p))
+
+    def test_pits_beside_the_outline_stay(self):
+        depth, known = array("f", [0, 0, 0, 0, -4, 0, 0, 0, 0]), bytearray([1, 1, 1, 1, 1, 0, 1, 1, 1])
+        decode.mend_pits(depth, known, 3, 3)
+        self.assertEqual(depth[4], -4)
+
     def test_normals(self):
         for encoding, values in (("offset", (0.5, 0.5, 1.0)), ("signed", (0.0, 0.0, 1.0))):
             raster = array("f", values)
@@ -58,14 +81,15 @@ class Decode(unittest.TestCase):
         decode.grow(raster, 1, known, 5, 1, 1)
         self.assertEqual((list(raster), list(known)), ([0, 3, 3, 3, 0], [0, 1, 1, 1, 0]))
 
-    def test_depth_grows_along_the_tangent_plane(self):
-        """A plane that falls 2 cm a pixel to the right goes on so; one that faces away falls 5 at most."""
-        normal = (2 / 5 ** 0.5, 0, 1 / 5 ** 0.5)
+    def test_depth_turns_away_as_a_round_body(self):
+        """A surface that falls .5 cm a pixel to the right goes on as a ball does: (1 + sin a) / cos a. One that
+        faces away falls 4 at most."""
+        normal = (0.6, 0, 0.8)
         raster, known = array("f", (0, 0, -4, 0, 0)), bytearray((0, 0, 1, 0, 0))
         normals = array("f", normal * 5)
         decode.grow_depth(raster, normals, known, 5, 1, 2, 1.0)
-        for found, wanted in zip(raster, (0, -2, -4, -6, -8)):
+        for found, wanted in zip(raster, (-2.5, -3.25, -4, -6, -8)):
             self.assertAlmostEqual(found, wanted, places=5)
         raster, known = array("f", (0, 0)), bytearray((1, 0))
         decode.grow_depth(raster, array("f", (1, 0, 0) * 2), known, 2, 1, 1, 1.0)
-        self.assertAlmostEqual(raster[1], -5, places=5)
+        self.assertAlmostEqual(raster[1], -4, places=5)
