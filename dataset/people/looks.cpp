@@ -70,6 +70,23 @@ struct Extent {
   }
 };
 
+/// Shoes come with socks in one mesh: the pieces that begin above the sole and reach far above the shoe.
+class Socks {
+ public:
+  explicit Socks(const std::map<uint32_t, Extent>& pieces) {
+    for (const auto& [key, piece] : pieces) sole_ = std::min(sole_, piece.low);
+    for (const auto& [key, piece] : pieces)
+      if (piece.low < sole_ + kSole_cm) top_ = std::max(top_, piece.high);
+  }
+  bool holds(const Extent& piece) const {
+    return piece.low >= sole_ + kSole_cm && piece.high > top_ + kAbove_cm;
+  }
+
+ private:
+  static constexpr float kSole_cm = 2, kAbove_cm = 5;
+  float sole_ = INFINITY, top_ = -INFINITY;
+};
+
 }  // namespace
 
 Look::Look(const Person& person, const Part& part) : kind_(part.kind), worn_(part.worn) {
@@ -108,6 +125,7 @@ void Look::find_zones(const Person& person, const Part& part) {
     whole += extent.area;
   }
   constexpr float kDetailShare = .03f, kFar_cm = 15;
+  const Socks socks(of_piece);
   zones_.resize(mesh.face_count());
   for (size_t face = 0; face < mesh.face_count(); ++face) {
     const Corner corner = mesh.corners[mesh.face_begin[face]];
@@ -115,12 +133,13 @@ void Look::find_zones(const Person& person, const Part& part) {
     const bool is_both = piece.low < person.hips_cm - kFar_cm && piece.high > person.hips_cm + kFar_cm;
     const Extent& body = is_both ? of_chart[charts.find(corner.uv)] : piece;
     zones_[face] = piece.area < kDetailShare * whole ? kDetail : body.moment > body.area * person.hips_cm;
+    if (worn_->slot == Slot::kShoes && socks.holds(piece)) zones_[face] = kSock;
   }
 }
 
 void Look::find_means(const Part& part) {
-  Vec3f sum[3];
-  float weight[3] = {}, area_cm2 = 0, area_uv = 0;
+  Vec3f sum[4];
+  float weight[4] = {}, area_cm2 = 0, area_uv = 0;
   const Scan& mesh = *part.mesh;
   for (const uint32_t face : part.faces) {
     const Corner* corner = &mesh.corners[mesh.face_begin[face]];
@@ -137,7 +156,7 @@ void Look::find_means(const Part& part) {
     area_uv += std::fabs(cross(mesh.uvs[corner[1].uv] - mesh.uvs[corner[0].uv],
                                mesh.uvs[corner[2].uv] - mesh.uvs[corner[0].uv]));
   }
-  for (int zone = 0; zone < 3; ++zone)
+  for (int zone = 0; zone < 4; ++zone)
     mean_[zone] = weight[zone] > 0 ? sum[zone] / weight[zone] : Vec3f{.5f, .5f, .5f};
   if (area_uv > 0) cm_per_uv_ = std::sqrt(area_cm2 / area_uv);
 }
@@ -155,7 +174,7 @@ Vec3f Look::colour(uint8_t zone, Vec2f uv, Vec3f rest_cm) const {
 
 Vec3f Look::garment_colour(uint8_t zone, Vec2f uv, Vec3f rest_cm) const {
   const Vec3f own = picture_->colour(uv);
-  if (zone == kDetail) return own;
+  if (zone >= kDetail) return own;
   const ZoneLook& look = worn_->zones[zone];
   if (look.kind == kAsItIs) return own;
   const Vec3f mean = mean_[zone];
@@ -188,6 +207,7 @@ Vec3f Look::garment_colour(uint8_t zone, Vec2f uv, Vec3f rest_cm) const {
 MaterialClass Look::class_of(uint8_t zone) const {
   if (kind_ == PartKind::kSkin || kind_ == PartKind::kEyes) return kSkin;
   if (kind_ == PartKind::kHair || kind_ == PartKind::kBrows) return kHair;
+  if (zone == kSock) return kFabric;
   if (worn_->is_leather) return kLeather;
   if (zone == kDetail)
     return worn_->zones[0].kind == kLeatherLook && worn_->zones[1].kind == kLeatherLook ? kLeather : kFabric;

@@ -19,11 +19,11 @@ class Look {
   Vec3f colour(uint8_t zone, Vec2f uv, Vec3f rest_cm) const;
   float opacity(Vec2f uv) const { return picture_->opacity(uv); }
 
-  /// Zone of a face of the part's own mesh: 0 lower, 1 upper, kDetail for what stays as it is.
+  /// Zone of a face of the part's own mesh: 0 lower, 1 upper, kDetail and kSock for what stays as it is.
   uint8_t zone_of(uint32_t face) const { return zones_.empty() ? 0 : zones_[face]; }
   MaterialClass class_of(uint8_t zone) const;
 
-  static constexpr uint8_t kDetail = 2;
+  static constexpr uint8_t kDetail = 2, kSock = 3;
 
  private:
   void find_zones(const Person& person, const Part& part);
@@ -34,7 +34,7 @@ class Look {
   const WornItem* worn_;
   std::shared_ptr<const Picture> picture_;
   std::vector<uint8_t> zones_;
-  Vec3f mean_[3];  // of the picture, by zone
+  Vec3f mean_[4];  // of the picture, by zone
   Vec3f target_;   // mean of skin and hair
   float cm_per_uv_ = 100;
 };

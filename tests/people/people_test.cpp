@@ -102,6 +102,39 @@ TEST(People, ScansAreWhatLabelAndBakeTake) {
   EXPECT_EQ(cover_texels(triangles, 256, 256).overlapping_texels, 0u);
 }
 
+TEST(People, SocksOfLeatherShoesAreFabric) {
+  const TemporaryFolder folder;
+  const TinyAssets assets(folder / "assets");
+  const PeopleReport report = make_people(job_of(folder / "assets", folder / "out", 6));
+  size_t shoes = 0, socks = 0;
+  for (const MadePerson& made : report.people) {
+    const fs::path base = folder / "out" / made.name / (made.name + "_scan");
+    const Scan scan = read_scan(base.string() + ".obj");
+    const auto classes = read_face_classes(base.string() + ".labels.txt", scan.face_count(), {});
+    const nlohmann::json json = nlohmann::json::parse(read_file(base.string() + ".json"));
+    bool has_leather_clothes = false;
+    for (const auto& worn : json.at("recipe").at("clothes"))
+      if (worn.at("file").get<std::string>().find("shoes") == std::string::npos)
+        has_leather_clothes |=
+            worn.at("lower").at("look") == "leather" || worn.at("upper").at("look") == "leather";
+    if (has_leather_clothes) continue;
+    // The shoe ends 1 dm above the ground, the sock 3 dm, of a body of 16 dm.
+    const float dm = json.at("recipe").at("height_cm").get<float>() / 16;
+    for (size_t f = 0; f < scan.face_count(); ++f) {
+      float high = 0;
+      for (uint32_t c = scan.face_begin[f]; c < scan.face_begin[f + 1]; ++c)
+        high = std::max(high, scan.positions[scan.corners[c].position].y);
+      if (high < 1.2f * dm)
+        shoes += classes[f] == kLeather;
+      else
+        EXPECT_NE(classes[f], kLeather) << made.name << " at " << high;
+      socks += high > 1.2f * dm && high < 3.2f * dm && classes[f] == kFabric;
+    }
+  }
+  EXPECT_GT(shoes, 10u);
+  EXPECT_GT(socks, 10u);
+}
+
 TEST(People, BalancedMeansHalfWomenAndSixGroups) {
   const TemporaryFolder folder;
   const TinyAssets tiny(folder / "assets");

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 namespace ohb::people {
 
@@ -29,7 +30,7 @@ class TinyAssets {
     tube("hair/short03/short03", 14, 17, .1f);
     tube("clothes/female_casualsuit01/female_casualsuit01", 1, 13, .15f);
     tube("clothes/male_casualsuit01/male_casualsuit01", 1, 13, .15f);
-    tube("clothes/shoes01/shoes01", 0, 2, .1f);
+    tubes("clothes/shoes01/shoes01", {{0, 2, .1f}, {1, 4, .2f}});  // with socks above the shoes
   }
 
   std::filesystem::path write(const std::string& name, const std::string& text) const {
@@ -45,8 +46,8 @@ class TinyAssets {
            std::to_string(radius * std::cos(angle));
   }
 
-  /// Quads between rings; UVs unrolled, faces outwards.
-  static std::string tube_faces(int rings) {
+  /// Quads between rings; UVs unrolled, faces outwards. Corners count on from those that are there.
+  static std::string tube_faces(int rings, int vertices_before = 0, int uvs_before = 0) {
     std::string text;
     for (int ring = 0; ring < rings; ++ring)
       for (int side = 0; side <= kSides; ++side)
@@ -55,8 +56,8 @@ class TinyAssets {
     for (int ring = 0; ring + 1 < rings; ++ring)
       for (int side = 0; side < kSides; ++side) {
         const auto corner = [&](int r, int s) {
-          return " " + std::to_string(r * kSides + s % kSides + 1) + "/" +
-                 std::to_string(r * (kSides + 1) + s + 1);
+          return " " + std::to_string(vertices_before + r * kSides + s % kSides + 1) + "/" +
+                 std::to_string(uvs_before + r * (kSides + 1) + s + 1);
         };
         text += "f" + corner(ring, side) + corner(ring, side + 1) + corner(ring + 1, side + 1) +
                 corner(ring + 1, side) + "\n";
@@ -73,20 +74,33 @@ class TinyAssets {
     write("3dobjs/base.obj", text);
   }
 
-  /// A thing around the body, from ring to ring, that far outside.
+  struct Tube {
+    int first, last;  // rings
+    float outside;    // dm from the body
+  };
   void tube(const std::string& name, int first, int last, float outside) const {
+    tubes(name, {{first, last, outside}});
+  }
+  /// A thing of separate pieces around the body.
+  void tubes(const std::string& name, const std::vector<Tube>& pieces) const {
     std::string mesh,
         anchors = "obj_file " + name.substr(name.rfind('/') + 1) + ".obj\nmaterial m.mhmat\nverts 0\n";
-    for (int ring = first; ring < last; ++ring)
-      for (int side = 0; side < kSides; ++side) {
-        mesh += "v " + ring_vertex(ring, side, 1 + outside) + "\n";
-        const std::string vertex = std::to_string(ring * kSides + side);
-        const double angle = 2 * 3.14159265358979 * side / kSides;
-        anchors += vertex + " " + vertex + " " + vertex + " 1 0 0 " +
-                   std::to_string(outside * std::sin(angle)) + " 0 " +
-                   std::to_string(outside * std::cos(angle)) + "\n";
-      }
-    write(name + ".obj", mesh + tube_faces(last - first));
+    int vertices = 0, uvs = 0;
+    for (const Tube& piece : pieces) {
+      for (int ring = piece.first; ring < piece.last; ++ring)
+        for (int side = 0; side < kSides; ++side) {
+          mesh += "v " + ring_vertex(ring, side, 1 + piece.outside) + "\n";
+          const std::string vertex = std::to_string(ring * kSides + side);
+          const double angle = 2 * 3.14159265358979 * side / kSides;
+          anchors += vertex + " " + vertex + " " + vertex + " 1 0 0 " +
+                     std::to_string(piece.outside * std::sin(angle)) + " 0 " +
+                     std::to_string(piece.outside * std::cos(angle)) + "\n";
+        }
+      mesh += tube_faces(piece.last - piece.first, vertices, uvs);
+      vertices += (piece.last - piece.first) * kSides;
+      uvs += (piece.last - piece.first) * (kSides + 1);
+    }
+    write(name + ".obj", mesh);
     write(name + ".mhclo", anchors);
     write(name.substr(0, name.rfind('/')) + "/m.mhmat", "diffuseColor .5 .5 .5\n");
   }
