@@ -10,6 +10,7 @@
 #include "dataset/model/json_text.h"
 #include "dataset/model/scan_unit.h"
 #include "dataset/program/help.h"
+#include "dataset/program/option_checks.h"
 
 namespace ohb {
 namespace {
@@ -18,12 +19,14 @@ struct Options {
   std::string scan, rules, faces, strokes, truth, unit, up, output;
   std::vector<std::string> classes, answers;
   std::string refine = "auto";
+  float leather_share = labelling::kLeatherShare;
   bool automatic = false, serve = false;
 };
 
 int run_serve(const Options& options) {
   if (!options.rules.empty() || !options.faces.empty() || !options.truth.empty() || options.automatic ||
-      !options.answers.empty() || !options.output.empty() || options.refine != "auto")
+      !options.answers.empty() || !options.output.empty() || options.refine != "auto" ||
+      options.leather_share != labelling::kLeatherShare)
     throw InputError("", "--serve", "takes only --strokes, --unit and --up", "leave the other options out");
   commands::serve_labels({options.scan, options.strokes, options.unit, options.up}, std::cin, std::cout);
   return 0;
@@ -43,6 +46,7 @@ int run_label(const Options& options, const CommonOptions& common) {
   job.up = options.up;
   job.classes = options.classes;
   job.answers = options.answers;
+  job.leather_share = options.leather_share;
   job.refine = options.refine == "on"    ? commands::RefineBorders::kOn
                : options.refine == "off" ? commands::RefineBorders::kOff
                                          : commands::RefineBorders::kAuto;
@@ -68,6 +72,11 @@ void add_label_command(CLI::App& app, Commands& commands) {
                     "classes from body, colour and texture, whatever the names say");
   command->add_option("--answer", options->answers,
                       "NAME=CLASS: answers a question of the report (trousers=leather); once each");
+  command
+      ->add_option(
+          "--leather-share", options->leather_share,
+          "how many of the garments, shoes apart, are leather among people like this one (default: 0.05)")
+      ->check(program::number_within(0.01, 0.99));
   command
       ->add_option("--classes", options->classes,
                    "what the indices mean (default: the JSON beside the file, else skin,hair,fabric,leather)")

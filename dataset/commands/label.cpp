@@ -94,7 +94,7 @@ void infer_classes(labelling::Labeller& labeller, const std::vector<labelling::S
     ++of.faces;
     area += areas[f];
     of.confidence += areas[f] * inferred.confidence[f];
-    if (inferred.confidence[f] < labelling::kDoubtful) of.doubtful_area += areas[f];
+    if (inferred.is_in_doubt[f]) of.doubtful_area += areas[f];
   }
   for (uint32_t f : labelling::stroked_faces(strokes, labeller.features().graph, labeller.unit_cm()).face)
     labels.is_given[f] = true;
@@ -131,7 +131,7 @@ void label_by_strokes(const Scan& scan, const LabelJob& job, const std::vector<d
                      "give the strokes of this scan");
   report.method = job.strokes.empty() ? "automatic" : "strokes";
   labels.face_class.assign(scan.face_count(), kUnlabelled);
-  labelling::Labeller labeller(scan, unit_cm);
+  labelling::Labeller labeller(scan, unit_cm, {}, job.leather_share);
   double last_s = 0;
   for (const labelling::Stroke& stroke : strokes.strokes) last_s = std::max(last_s, stroke.time_s);
   const std::vector<labelling::Stroke> answers = strokes_of_answers(job.answers, labeller, last_s);
@@ -150,7 +150,7 @@ bool infer_where_one_name_is_all(const Scan& scan, const LabelJob& job, const st
   const bool is_one_class =
       std::all_of(labels.face_class.begin(), labels.face_class.end(), [&](uint8_t c) { return c == only; });
   if (!is_one_class || scan.materials.size() > 1 || !unit_cm || !has_picture(scan)) return false;
-  labelling::Labeller labeller(scan, *unit_cm);
+  labelling::Labeller labeller(scan, *unit_cm, {}, job.leather_share);
   if (!labeller.start().found_face) return false;
   labels.face_class.assign(scan.face_count(), kUnlabelled);
   report.method = "automatic";
@@ -191,7 +191,7 @@ void label_by_rules(const Scan& scan, const LabelJob& job, const std::vector<dou
   report.warnings.push_back("names do not tell the class of " + count + where +
                             ": inferred from body, colour and texture; look at them, and correct them with "
                             "--strokes");
-  labelling::Labeller labeller(scan, unit_for(scan, job));
+  labelling::Labeller labeller(scan, unit_for(scan, job), {}, job.leather_share);
   infer_classes(labeller, {}, areas, labels, report);
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "dataset/commands/label_report.h"
+#include "dataset/labelling/piece_weights.h"
 
 namespace ohb::commands {
 
@@ -26,9 +27,10 @@ struct LabelJob {
   std::vector<std::string> classes;
   /// "NAME=CLASS": answers to questions of a run before (see label_answers.h), where classes are inferred.
   std::vector<std::string> answers;
-  std::filesystem::path truth;  // known classes to compare with; empty: none
-  std::string unit;             // as --unit; empty: guessed. Needed for strokes and start labels
-  std::string up;               // as turn_up (scan_unit.h); empty: Y, and it must not seem to lie
+  std::filesystem::path truth;                     // known classes to compare with; empty: none
+  float leather_share = labelling::kLeatherShare;  // of garments, shoes apart (see LabelModel)
+  std::string unit;  // as --unit; empty: guessed. Needed for strokes and start labels
+  std::string up;    // as turn_up (scan_unit.h); empty: Y, and it must not seem to lie
   RefineBorders refine = RefineBorders::kAuto;
   std::filesystem::path output;  // REGIONS folder, written whole or not at all
 };

@@ -26,7 +26,7 @@ InputError request_error(const std::string& cause, const std::string& mend) {
 const Json& member(const Json& request, const char* name) {
   const auto found = request.find(name);
   if (found == request.end())
-    throw request_error(std::string("has no \"") + name + "\"", "see docs/commands/label.md");
+    throw request_error(std::string("has no \"") + name + "\"", "see docs/label_files.md");
   return *found;
 }
 

@@ -6,12 +6,15 @@
 namespace ohb::labelling {
 namespace {
 
+constexpr float kSure = 0.98f;       // no guess by colour is
 constexpr float kTold = 0.995f;      // of a garment that a stroke names
 constexpr float kException = 0.02f;  // how likely a stroke is to speak of its place alone
 /// Nobody paints a garment by chance: a class has at least this chance once it is painted.
 constexpr float kLeastChance = 0.05f;
-constexpr float kTelling_cm2 = 6;  // a stroke on less is a correction and tells less
-constexpr float kAnswer = 3;       // votes of a stroke through the garment's middle
+constexpr float kTelling_cm2 = 6;       // a stroke on less is a correction and tells less
+constexpr float kSmallGarment = 0.03f;  // of the whole area: it is not asked about for its size
+constexpr float kFollows = 0.9f;        // chance that a small garment is of what the told one like it is
+constexpr float kAnswer = 3;            // votes of a stroke through the garment's middle
 
 /// What one stroke covers of one garment.
 struct Cover {
@@ -47,6 +50,30 @@ float vote_of(const Cover& cover, float all_cm2, const Garment& garment, float c
   return chance * like > kException ? like * std::min(1.0f, cover.area_cm2 / kTelling_cm2) : 0;
 }
 
+/// The small ones that nothing tells are of what those are that look like them.
+void follow_look_alikes(const Garments& garments, const std::vector<uint8_t>& told,
+                        std::vector<ClassValues>& classes) {
+  for (size_t g = 0; g < classes.size(); ++g) {
+    const Garment& small = garments.garments[g];
+    if (told[g] != kUnlabelled || small.part != kFabric || small.area_cm2 > kSmallGarment * garments.all_cm2)
+      continue;
+    float nearest = kAlike;
+    uint8_t as = kUnlabelled;
+    for (size_t other = 0; other < classes.size(); ++other) {
+      const Garment& of = garments.garments[other];
+      const float difference = look_difference(small.look, of.look);
+      if (told[other] < kFabric || told[other] == kUnlabelled || of.is_shoe != small.is_shoe ||
+          difference >= nearest)
+        continue;
+      nearest = difference;
+      as = told[other];
+    }
+    if (as == kUnlabelled) continue;
+    const float garment = classes[g][kFabric] + classes[g][kLeather];
+    for (uint8_t c : {kFabric, kLeather}) classes[g][c] = garment * (c == as ? kFollows : 1 - kFollows);
+  }
+}
+
 /// The area that an answer may be expected to mend.
 double worth_cm2(const GarmentQuestion& question) {
   return (1 - question.probability) * question.area_cm2;
@@ -75,6 +102,12 @@ void hear_strokes(const FaceFeatures& features, double unit_cm, const Garments& 
   for (size_t g = 0; g < classes.size(); ++g)
     for (int c = 0; c < kClassCount && told[g] != kUnlabelled; ++c)
       classes[g][c] = told[g] == c ? kTold : (1 - kTold) / (kClassCount - 1);
+  follow_look_alikes(garments, told, classes);
+}
+
+bool is_asked(const std::vector<GarmentQuestion>& questions, uint32_t garment) {
+  return std::any_of(questions.begin(), questions.end(),
+                     [&](const GarmentQuestion& question) { return question.garment == garment; });
 }
 
 std::vector<GarmentQuestion> open_questions(const Garments& garments,
@@ -93,7 +126,10 @@ std::vector<GarmentQuestion> open_questions(const Garments& garments,
     question.area_cm2 = garments.garments[g].area_cm2;
     question.face = garments.garments[g].face;
     const bool is_told = question.probability >= kTold - 1e-4f;
-    if (!is_told && worth_cm2(question) > kWorthAsking * garments.all_cm2) questions.push_back(question);
+    const bool is_large_guess =
+        question.probability < kSure && question.area_cm2 > kLargeGuess * garments.all_cm2;
+    const bool is_worth_it = worth_cm2(question) > kWorthAsking * garments.all_cm2;
+    if (!is_told && (is_large_guess || is_worth_it)) questions.push_back(question);
   }
   std::stable_sort(questions.begin(), questions.end(),
                    [](const auto& l, const auto& r) { return worth_cm2(l) > worth_cm2(r); });

@@ -25,18 +25,19 @@ constexpr size_t kMostQuestions = 4;
 /// Sets the garments that strokes tell. A stroke speaks for the whole garment if it covers its middle, or if
 /// (chance of its class for this garment) x (likeness of its place with the garment) is above that of an
 /// exception; of several classes the one with more votes holds, a small stroke's being less, the first if
-/// equal.
+/// equal. A small garment that none tells is fabric or leather as the told one that looks like it.
 void hear_strokes(const FaceFeatures& features, double unit_cm, const Garments& garments,
                   std::vector<Stroke> strokes, std::vector<ClassValues>& classes);
 
-/// Those worth asking: where the answer may be expected to mend at least kWorthAsking of the area; the
-/// kMostQuestions that are worth most, the largest garment first.
+/// Those worth asking: where the answer may be expected to mend at least kWorthAsking of the area, or a guess
+/// holds for more than kLargeGuess of it; the kMostQuestions that are worth most, the largest garment first.
 std::vector<GarmentQuestion> open_questions(const Garments& garments,
                                             const std::vector<ClassValues>& classes);
 /// Where the odds are near even the labels of the faces decide what a garment is now.
 void say_as_labelled(const FaceGraph& graph, const Garments& garments,
                      const std::vector<ClassValues>& classes, const std::vector<uint8_t>& face_class,
                      std::vector<GarmentQuestion>& questions);
-constexpr float kWorthAsking = 0.01f;
+constexpr float kWorthAsking = 0.01f, kLargeGuess = 0.06f;
+bool is_asked(const std::vector<GarmentQuestion>& questions, uint32_t garment);
 
 }  // namespace ohb::labelling

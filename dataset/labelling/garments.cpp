@@ -9,7 +9,6 @@ namespace ohb::labelling {
 namespace {
 
 const Appearance kLookWidth(12, 6, 6, 0.6f);
-constexpr float kAlike = 4;            // look_difference of parts of one garment that do not touch
 constexpr float kShoe_share = 0.04f;   // of the height: what lies lower is a part of the shoe
 constexpr float kSmall_share = 0.06f;  // of the whole area
 constexpr float kCrumb_share = 0.01f;  // of the whole area

@@ -37,6 +37,7 @@ struct Garments {
 Garments find_garments(const FaceFeatures& features, const std::vector<float>& likeness,
                        const BodyFrame& frame, const std::vector<uint8_t>& part);
 constexpr float kSeparate_cm = 1.5f;
+constexpr float kAlike = 4;  // look_difference of parts of one garment that do not touch
 
 /// The face that most rings of faces separate from the outside of these connected faces.
 uint32_t middle_of(const FaceGraph& graph, const std::vector<uint32_t>& faces);

@@ -20,6 +20,8 @@ struct LabelModel {
   /// log p(part) = weights . cues + constant; the garment's are 0.
   std::array<Cues, kPartCount - 1> part_weights{};
   PieceWeights pieces;
+  /// Of garments, shoes apart, that are leather among people like this one: stated, not learned.
+  float leather_share = kLeatherShare;
   /// How often labels are right by how much they lead: piecewise linear over the leads (log odds).
   std::vector<float> lead, right;
 };

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "dataset/labelling/enclosed_patches.h"
+
 namespace ohb::labelling {
 namespace {
 
@@ -31,10 +33,16 @@ constexpr ClassValues kElsewhere = {0, 0, 0.9f, 0.1f};
 constexpr std::array<std::array<float, kClassCount>, kClassCount> kClassDistance = {
     {{0, 0.8f, 1, 1}, {0.8f, 0, 1, 1.5f}, {1, 1, 0, 0.7f}, {1, 1.5f, 0.7f, 0}}};
 
+LabelModel model_with(float leather_share) {
+  LabelModel model = installed_label_model();
+  model.leather_share = leather_share;
+  return model;
+}
+
 }  // namespace
 
-Labeller::Labeller(const Scan& scan, double unit_cm, LabelTerms terms)
-    : Labeller(face_features(scan, unit_cm), unit_cm, installed_label_model(), terms) {}
+Labeller::Labeller(const Scan& scan, double unit_cm, LabelTerms terms, float leather_share)
+    : Labeller(face_features(scan, unit_cm), unit_cm, model_with(leather_share), terms) {}
 
 Labeller::Labeller(FaceFeatures features, double unit_cm, LabelModel model, LabelTerms terms)
     : unit_cm_(unit_cm),
@@ -66,12 +74,24 @@ void Labeller::find_parts() {
   for (const ClassValues& cost : energy.cost)
     part.push_back(static_cast<uint8_t>(std::min_element(cost.begin(), cost.end()) - cost.begin()));
   minimise(energy, part);
+  take_patches_for_what_surrounds_them(part);
   garments_ = find_garments(features_, likeness_, start_.frame, part);
   piece_cues_ = labelling::piece_cues(features_, garments_, start_.frame, part);
   for (size_t g = 0; g < piece_cues_.size(); ++g)
-    garment_classes_.push_back(piece_classes(garments_.garments[g], piece_cues_[g], model_.pieces));
+    garment_classes_.push_back(
+        piece_classes(garments_.garments[g], piece_cues_[g], model_.pieces, model_.leather_share));
   for (const ClassValues& p : start_of_faces(garment_classes_))
     start_class_.push_back(static_cast<uint8_t>(std::max_element(p.begin(), p.end()) - p.begin()));
+}
+
+void Labeller::take_patches_for_what_surrounds_them(std::vector<uint8_t>& part) {
+  constexpr float kLikely = 0.85f;
+  for (const PartChange& change : enclosed_patches(features_, start_.frame, part)) {
+    part[change.face] = change.part;
+    ClassValues& start = start_.probability[change.face];
+    start = {1 - kLikely, 0, 1 - kLikely, 0};
+    start[change.part] = kLikely;
+  }
 }
 
 std::vector<ClassValues> Labeller::start_of_faces(const std::vector<ClassValues>& classes) const {
@@ -237,6 +257,10 @@ Labelling Labeller::solve(const std::vector<Stroke>& strokes) {
   for (uint32_t f : stroked.face) result.confidence[f] = 1;
   result.questions = open_questions(garments_, classes);
   say_as_labelled(features_.graph, garments_, classes, face_class_, result.questions);
+  for (size_t f = 0; f < features_.size(); ++f)
+    result.is_in_doubt.push_back(result.confidence[f] < kDoubtful ||
+                                 is_asked(result.questions, garments_.of_face[f]));
+  for (uint32_t f : stroked.face) result.is_in_doubt[f] = false;
   result.suggested = suggest_stroke(features_.graph, energy, face_class_, result.confidence);
   result.warnings = stroked.warnings;
   return result;

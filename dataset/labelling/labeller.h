@@ -37,6 +37,7 @@ struct Labelling {
   std::vector<uint8_t> face_class;
   std::vector<float> confidence;  // probability that the class is right, see confidence_of
   std::vector<float> lead;        // see leads_of
+  std::vector<bool> is_in_doubt;  // less sure than kDoubtful, or of a garment that is asked about
   std::vector<GarmentQuestion> questions;
   std::optional<SuggestedStroke> suggested;
   std::vector<std::string> warnings;
@@ -45,8 +46,8 @@ struct Labelling {
 class Labeller {
  public:
   /// Reads the pictures and builds the graph. `unit_cm`: cm a unit of the scan. Throws InputError for a
-  /// picture that cannot be read.
-  Labeller(const Scan& scan, double unit_cm, LabelTerms terms = {});
+  /// picture that cannot be read. `leather_share`: see LabelModel.
+  Labeller(const Scan& scan, double unit_cm, LabelTerms terms = {}, float leather_share = kLeatherShare);
   /// The same from features that are there already, with what was learned from other people.
   Labeller(FaceFeatures features, double unit_cm, LabelModel model, LabelTerms terms = {});
 
@@ -64,6 +65,7 @@ class Labeller {
  private:
   /// Skin, hair or garment of each face, and the garments.
   void find_parts();
+  void take_patches_for_what_surrounds_them(std::vector<uint8_t>& part);
   std::vector<ClassValues> start_of_faces(const std::vector<ClassValues>& classes) const;
   void trust_garments(const std::vector<ClassValues>& classes, Labelling& labels) const;
   std::vector<ClassValues> revised_start(const std::vector<ClassValues>& first,

@@ -8,7 +8,7 @@ namespace {
 
 constexpr float kLightness = 12, kHue = 6;  // what one material varies under shading
 constexpr float kFar = 3;
-constexpr float kLeastLeather = 0.05f;  // leather is dyed and embossed as cloth is: no look excludes it
+constexpr float kLeastLeather = 0.03f;  // leather is dyed and embossed as cloth is: no look excludes it
 
 /// Mean over faces, by area.
 struct Mean {
@@ -82,11 +82,8 @@ std::vector<PieceCues> piece_cues(const FaceFeatures& features, const Garments& 
     all[g].hanging = {1, static_cast<float>(is_hair),
                       std::min(kFar, std::sqrt(look_difference(mean.look, hair.look))),
                       std::clamp(2 * mean.behind_cm / frame.head_cm, -1.0f, 1.0f), std::min(1.0f, 4 * share)};
-    if (piece.is_shoe)  // leather or not, they look alike
-      all[g].leather = {0, 1};
-    else
+    if (!piece.is_shoe)
       all[g].leather = {1,
-                        0,
                         mean.look[0] / 50 - 1,
                         std::hypot(mean.look[1], mean.look[2]) / 30 - 1,
                         std::clamp(mean.look[3] - 1, -1.0f, 1.0f),
@@ -96,12 +93,18 @@ std::vector<PieceCues> piece_cues(const FaceFeatures& features, const Garments& 
   return all;
 }
 
-ClassValues piece_classes(const Garment& piece, const PieceCues& cues, const PieceWeights& weights) {
+float log_odds(float share) {
+  return std::log(share / (1 - share));
+}
+
+ClassValues piece_classes(const Garment& piece, const PieceCues& cues, const PieceWeights& weights,
+                          float leather_share) {
   const float skin = piece.part == kSkin ? probability_of(weights.bare, cues.bare) : 0;
   const float hair = cues.may_be_hair ? probability_of(weights.hanging, cues.hanging) : 0;
   const float garment = (1 - skin) * (1 - hair);
+  const float odds = log_odds(piece.is_shoe ? kLeatherShoes : leather_share);
   const float leather =
-      std::clamp(probability_of(weights.leather, cues.leather), kLeastLeather, 1 - kLeastLeather);
+      std::clamp(probability_of(weights.leather, cues.leather, odds), kLeastLeather, 1 - kLeastLeather);
   return {skin, (1 - skin) * hair, garment * (1 - leather), garment * leather};
 }
 

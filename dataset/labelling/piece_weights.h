@@ -1,4 +1,5 @@
 // How much the cues of a piece count (see piece_cues.h): logistic regressions, fitted by label_robot --fit.
+// Those of leather speak of people half of whose garments are leather; how many really are is stated.
 #pragma once
 
 #include <array>
@@ -9,23 +10,28 @@ namespace ohb::labelling {
 
 using BareCues = std::array<float, 4>;
 using HangingCues = std::array<float, 5>;
-using LeatherCues = std::array<float, 7>;
+using LeatherCues = std::array<float, 6>;
 /// In the order of the cues; the weights are stored by these names.
 constexpr std::array<const char*, 4> kBareCueNames = {"one", "lightness", "hue", "texture"};
 constexpr std::array<const char*, 5> kHangingCueNames = {"one", "found", "look", "behind", "area"};
-constexpr std::array<const char*, 7> kLeatherCueNames = {"one",     "shoe",  "light", "chroma",
+constexpr std::array<const char*, 6> kLeatherCueNames = {"one",     "light", "chroma",
                                                          "texture", "print", "brown"};
+
+/// How many garments, shoes apart, are leather where nothing else is stated: one in twenty.
+constexpr float kLeatherShare = 0.05f;
+/// Of shoes: leather and cloth ones look alike, and no cue tells them.
+constexpr float kLeatherShoes = 2.0f / 3;
 
 struct PieceWeights {
   BareCues bare{};        // log odds of skin against cloth
   HangingCues hanging{};  // of hair against a garment
-  LeatherCues leather{};  // of leather against fabric
+  LeatherCues leather{};  // of leather against fabric, where both are as common
 };
 
-/// 1 / (1 + exp(-weights . cues))
+/// 1 / (1 + exp(-odds - weights . cues)); `odds`: log odds before any cue.
 template <size_t N>
-float probability_of(const std::array<float, N>& weights, const std::array<float, N>& cues) {
-  float sum = 0;
+float probability_of(const std::array<float, N>& weights, const std::array<float, N>& cues, float odds = 0) {
+  float sum = odds;
   for (size_t i = 0; i < N; ++i) sum += weights[i] * cues[i];
   return 1 / (1 + std::exp(-sum));
 }

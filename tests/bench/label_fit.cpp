@@ -51,6 +51,7 @@ struct Regression {
   struct Row {
     std::array<float, N> cues;
     double target, weight;
+    float odds = 0;  // log odds before any cue
   };
   std::vector<Row> rows;
 
@@ -64,7 +65,7 @@ struct Regression {
       for (const Row& row : rows) {
         Eigen::Matrix<double, N, 1> x;
         for (size_t i = 0; i < N; ++i) x[i] = row.cues[i];
-        const double p = probability_of(weights, row.cues), share = row.weight / total;
+        const double p = probability_of(weights, row.cues, row.odds), share = row.weight / total;
         gradient += share * (p - row.target) * x;
         hessian += share * p * (1 - p) * (x * x.transpose());
       }
@@ -78,6 +79,33 @@ struct Regression {
     return weights;
   }
 };
+
+/// Weight of each: people that were generated and others count half each.
+template <typename IsGenerated>
+std::vector<double> weights_by_kind(size_t count, const IsGenerated& is_generated) {
+  std::array<double, 2> counts{};
+  for (size_t i = 0; i < count; ++i) ++counts[is_generated(i)];
+  const double kinds = (counts[0] > 0) + (counts[1] > 0);
+  std::vector<double> weights;
+  for (size_t i = 0; i < count; ++i) weights.push_back(1 / (kinds * counts[is_generated(i)]));
+  return weights;
+}
+
+bool tells_leather(const PieceSample& of) {
+  return of.piece.part == kFabric && !of.piece.is_shoe && of.share[kFabric] + of.share[kLeather] > 0.7;
+}
+
+/// Log odds of leather among the garments of each kind of people.
+std::array<float, 2> odds_of_leather(const std::vector<PieceSample>& samples) {
+  std::array<double, 2> leather{0.05, 0.05}, all{1, 1};
+  for (const PieceSample& of : samples) {
+    if (!tells_leather(of)) continue;
+    leather[of.is_generated] += of.weight * of.share[kLeather] / (of.share[kFabric] + of.share[kLeather]);
+    all[of.is_generated] += of.weight;
+  }
+  return {log_odds(static_cast<float>(leather[0] / all[0])),
+          log_odds(static_cast<float>(leather[1] / all[1]))};
+}
 
 /// The assets that the JSON beside a scan names as worn.
 std::set<std::string> garments_of(const std::filesystem::path& scan, bool& is_generated) {
@@ -138,10 +166,13 @@ FitHuman prepare_fit(const RobotHuman& human) {
 }
 
 void fit_parts(const std::vector<const FitHuman*>& humans, LabelModel& model) {
+  const std::vector<double> weight =
+      weights_by_kind(humans.size(), [&](size_t i) { return humans[i]->is_generated; });
   model.part_weights = {};
   for (int step = 0; step < kNewtonSteps; ++step) {
     Newton newton;
-    for (const FitHuman* human : humans) {
+    for (size_t i = 0; i < humans.size(); ++i) {
+      const FitHuman* human = humans[i];
       const std::vector<float>& area = human->features.graph.area_cm2;
       const size_t stride = std::max<size_t>(1, area.size() / kSampledFaces);
       double total = 0;
@@ -149,7 +180,7 @@ void fit_parts(const std::vector<const FitHuman*>& humans, LabelModel& model) {
       for (size_t f = 0; f < area.size(); f += stride)
         if (human->human->truth[f] < kClassCount)
           newton.add(human->cues[f], part_probability(model, human->cues[f]), part_of(human->human->truth[f]),
-                     area[f] / total / static_cast<double>(humans.size()));
+                     area[f] / total * weight[i]);
     }
     for (int i = 0; i < Newton::kSize; ++i) {
       newton.gradient[i] += kPartRidge * model.part_weights[i / kCueCount][i % kCueCount];
@@ -166,13 +197,15 @@ PieceWeights fit_pieces(const std::vector<PieceSample>& samples) {
   Regression<std::tuple_size_v<BareCues>> bare;
   Regression<std::tuple_size_v<HangingCues>> hanging;
   Regression<std::tuple_size_v<LeatherCues>> leather;
+  const std::array<float, 2> odds = odds_of_leather(samples);
   for (const PieceSample& of : samples) {
     const double garment = of.share[kFabric] + of.share[kLeather], rest = garment + of.share[kHair];
     if (of.piece.part == kSkin) bare.rows.push_back({of.cues.bare, of.share[kSkin], of.weight});
     if (of.cues.may_be_hair && rest > 0.5)
       hanging.rows.push_back({of.cues.hanging, of.share[kHair] / rest, of.weight});
-    if (of.piece.part == kFabric && garment > 0.7)
-      leather.rows.push_back({of.cues.leather, of.share[kLeather] / garment, of.weight});
+    if (tells_leather(of))
+      leather.rows.push_back(
+          {of.cues.leather, of.share[kLeather] / garment, of.weight, odds[of.is_generated]});
   }
   return {bare.solve(), hanging.solve(), leather.solve()};
 }
@@ -228,7 +261,9 @@ std::vector<std::vector<size_t>> teachers_of(const std::vector<FitHuman>& humans
   std::vector<std::vector<size_t>> teachers(humans.size());
   for (size_t i = 0; i < humans.size(); ++i)
     for (size_t j = 0; j < humans.size(); ++j)
-      if (!shares(humans[i].person, humans[j].person)) teachers[i].push_back(j);
+      if (humans[i].is_generated ? !humans[j].is_generated || i % 2 != j % 2
+                                 : !shares(humans[i].person, humans[j].person))
+        teachers[i].push_back(j);
   return teachers;
 }
 
@@ -236,6 +271,20 @@ template <typename T>
 std::vector<T> gathered(const std::vector<std::vector<T>>& of, const std::vector<size_t>& indices) {
   std::vector<T> all;
   for (size_t i : indices) all.insert(all.end(), of[i].begin(), of[i].end());
+  return all;
+}
+
+std::vector<LeadSample> gathered_leads(const std::vector<std::vector<LeadSample>>& of,
+                                       const std::vector<FitHuman>& humans,
+                                       const std::vector<size_t>& indices) {
+  const std::vector<double> weight =
+      weights_by_kind(indices.size(), [&](size_t i) { return humans[indices[i]].is_generated; });
+  std::vector<LeadSample> all;
+  for (size_t i = 0; i < indices.size(); ++i)
+    for (LeadSample sample : of[indices[i]]) {
+      sample.weight *= static_cast<float>(weight[i]);
+      all.push_back(sample);
+    }
   return all;
 }
 
@@ -264,22 +313,30 @@ std::vector<LabelModel> cross_validated_models(const std::vector<FitHuman>& huma
   std::vector<LabelModel> models(humans.size());
   std::vector<std::vector<PieceSample>> pieces(humans.size());
   std::vector<std::vector<LeadSample>> leads(humans.size());
+  std::map<std::vector<size_t>, LabelModel> fitted;  // by teachers
   for (size_t i = 0; i < humans.size(); ++i) {
-    if (i > 0 && humans[i].person == humans[i - 1].person)
-      models[i] = models[i - 1];
-    else
-      fit_faces(teachers[i], models[i]);
+    const auto [model, is_new] = fitted.try_emplace(teachers[i]);
+    if (is_new) fit_faces(teachers[i], model->second);
+    models[i] = model->second;
     pieces[i] = piece_samples(Labeller(humans[i].features, humans[i].unit_cm, models[i]), *humans[i].human);
+    for (PieceSample& piece : pieces[i]) piece.is_generated = humans[i].is_generated;
   }
   for (size_t i = 0; i < humans.size(); ++i) {
     models[i].pieces = fit_pieces(gathered(pieces, teachers[i]));
     Labeller labeller(humans[i].features, humans[i].unit_cm, models[i]);
     leads[i] = lead_samples(labeller.solve({}), *humans[i].human);
   }
-  for (size_t i = 0; i < humans.size(); ++i) fit_calibration(gathered(leads, teachers[i]), models[i]);
+  fitted.clear();
+  for (size_t i = 0; i < humans.size(); ++i) {
+    if (humans[i].is_generated) continue;  // they are not measured here
+    const auto [model, is_new] = fitted.try_emplace(teachers[i]);
+    if (is_new) fit_calibration(gathered_leads(leads, humans, teachers[i]), model->second);
+    models[i].lead = model->second.lead;
+    models[i].right = model->second.right;
+  }
   fit_faces(everyone, of_all);
   of_all.pieces = fit_pieces(gathered(pieces, everyone));
-  fit_calibration(gathered(leads, everyone), of_all);
+  fit_calibration(gathered_leads(leads, humans, everyone), of_all);
   return models;
 }
 

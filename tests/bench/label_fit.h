@@ -32,22 +32,26 @@ struct LeadSample {
   bool is_right = false;
 };
 
-/// Softmax of the parts by Newton's method, each person of the same weight, with a ridge that keeps cues that
+/// Softmax of the parts by Newton's method, people that were generated and others each half of the
+/// weight, with a ridge that keeps cues that
 /// separate the people fully within reason.
 void fit_parts(const std::vector<const FitHuman*>& humans, LabelModel& model);
-/// A piece, and the shares of its area by class.
+/// A piece, and the shares of its area by class. Leather is told from fabric against how common it is among
+/// the people of the piece's kind: those of `openhumanbrdf people` wear far more than others.
 struct PieceSample {
   Garment piece;
   PieceCues cues;
   std::array<double, kClassCount> share{};
   double weight = 0;
+  bool is_generated = false;
 };
 /// Logistic regressions with a ridge; a piece counts by the root of its area.
 PieceWeights fit_pieces(const std::vector<PieceSample>& samples);
 /// The share that is right, ascending with the lead (pool adjacent violators), at up to 12 knots.
 void fit_calibration(std::vector<LeadSample> samples, LabelModel& model);
 
-/// The model of each scan, fitted without its person and without those who share a garment.
+/// The model of each scan, fitted without its person and without those who share a garment. Generated people
+/// share garments with nearly all others: they are taught by the other half of them, and are here to teach.
 std::vector<LabelModel> cross_validated_models(const std::vector<FitHuman>& humans, LabelModel& of_all);
 
 }  // namespace ohb

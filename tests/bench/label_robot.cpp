@@ -84,6 +84,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> scans;
   std::string output, fitted;
   int strokes = 20;
+  float leather_share = ohb::labelling::kLeatherShare;
   bool is_stress = false, is_ours_alone = false, is_trust = false;
   app.add_option("SCAN", scans, "x.obj with x.labels.txt beside it")->required();
   app.add_option("--strokes", strokes, "strokes a scan")->check(CLI::Range(1, 200));
@@ -97,11 +98,13 @@ int main(int argc, char** argv) {
       "--fit", fitted,
       "--trust, each person by what was learned from the others; what was learned from all goes to "
       "this file (assets/label_model.json)");
+  app.add_option("--leather-share", leather_share, "of --trust and --fit: as label's, of these people")
+      ->check(CLI::Range(0.01, 0.99));
   app.add_option("-o,--output", output, "folder for chart.csv, .svg and .png (needed without --trust)");
   CLI11_PARSE(app, argc, argv);
   try {
     if (is_trust || !fitted.empty()) {
-      ohb::measure_trust(ohb::read_humans(scans), fitted);
+      ohb::measure_trust(ohb::read_humans(scans), fitted, leather_share);
       return ohb::kExitDone;
     }
     if (output.empty()) throw ohb::InputError("", "-o", "is missing", "name the folder for the chart");

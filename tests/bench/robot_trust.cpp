@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "dataset/commands/label.h"
 #include "dataset/model/atomic_file.h"
@@ -17,7 +18,7 @@ using namespace surface;
 namespace {
 
 constexpr float kFarthest_cm = 5;
-constexpr double kLeastShare = 0.01;  // bins of less area say little
+constexpr float kClaimStep = 0.005f;  // claims closer than that are one
 
 std::vector<Vec3f> borders_of(const FaceGraph& graph, const std::vector<uint8_t>& face_class) {
   std::vector<Vec3f> points;
@@ -61,7 +62,7 @@ std::vector<Stroke> answers_of(const Labeller& labeller, const Labelling& labels
 
 RobotTrust measure(const RobotHuman& human, Labeller& labeller) {
   const Labelling labels = labeller.solve({});
-  RobotTrust trust = trust_of(human, labels.face_class, labels.confidence, kDoubtful);
+  RobotTrust trust = trust_of(human, labels, labeller.garments());
   const std::vector<Stroke> answers = answers_of(labeller, labels, human);
   const Labelling answered = labeller.solve(answers);
   trust.questions = answers.size();
@@ -73,7 +74,7 @@ RobotTrust measure(const RobotHuman& human, Labeller& labeller) {
 
 }  // namespace
 
-void measure_trust(const std::vector<RobotHuman>& humans, const std::string& fitted) {
+void measure_trust(const std::vector<RobotHuman>& humans, const std::string& fitted, float leather_share) {
   std::vector<FitHuman> fits;
   for (const RobotHuman& human : humans) fits.push_back(prepare_fit(human));
   std::vector<LabelModel> models;
@@ -86,6 +87,8 @@ void measure_trust(const std::vector<RobotHuman>& humans, const std::string& fit
   }
   std::array<std::vector<RobotTrust>, 2> groups;
   for (size_t i = 0; i < humans.size(); ++i) {
+    if (!fitted.empty() && fits[i].is_generated) continue;
+    models[i].leather_share = leather_share;
     std::vector<RobotTrust>& people = groups[fits[i].is_generated];
     Labeller labeller(std::move(fits[i].features), fits[i].unit_cm, models[i]);
     people.push_back(measure(humans[i], labeller));
@@ -105,89 +108,77 @@ double border_error_mm(const FaceGraph& graph, const std::vector<uint8_t>& face_
   return count == 0 ? 0 : 10 * (sum_of_distances(found, known) + sum_of_distances(known, found)) / count;
 }
 
-RobotTrust trust_of(const RobotHuman& human, const std::vector<uint8_t>& face_class,
-                    const std::vector<float>& confidence, float doubtful) {
+RobotTrust trust_of(const RobotHuman& human, const Labelling& labels, const Garments& garments) {
   RobotTrust trust;
   trust.scan = human.name;
   double total = 0;
-  for (size_t f = 0; f < face_class.size(); ++f) {
+  std::map<std::pair<uint32_t, int>, Claim> claims;  // by piece and step
+  for (size_t f = 0; f < labels.face_class.size(); ++f) {
     if (human.truth[f] >= kClassCount) continue;
-    const double area = human.area[f], is_right = face_class[f] == human.truth[f];
+    const double area = human.area[f], is_right = labels.face_class[f] == human.truth[f];
     total += area;
     trust.accuracy += area * is_right;
-    if (confidence[f] < doubtful) trust.in_doubt += area;
-    const auto bin = std::min(kReliabilityBins - 1, static_cast<size_t>(confidence[f] * kReliabilityBins));
-    ReliabilityBin& of = trust.reliability[bin];
-    of.area += area;
-    of.claimed += area * confidence[f];
-    of.right += area * is_right;
+    if (labels.confidence[f] < kDoubtful) trust.unsure += area;
+    if (labels.is_in_doubt[f]) trust.in_doubt += area;
+    const bool is_body = garments.of_face[f] == Garments::kNone;
+    const uint32_t piece = is_body ? Garments::kNone - labels.face_class[f] : garments.of_face[f];
+    Claim& claim = claims[{piece, static_cast<int>(labels.confidence[f] / kClaimStep)}];
+    claim.piece = piece;
+    claim.area += area;
+    claim.claimed += static_cast<float>(area) * labels.confidence[f];
+    claim.right += area * is_right;
   }
   trust.accuracy /= total;
+  trust.unsure /= total;
   trust.in_doubt /= total;
-  for (ReliabilityBin& bin : trust.reliability) {
-    bin.area /= total;
-    bin.claimed /= total;
-    bin.right /= total;
+  for (auto& [key, claim] : claims) {
+    if (!(claim.area > 0)) continue;
+    claim.claimed /= static_cast<float>(claim.area);
+    claim.area /= total;
+    claim.right /= total;
+    trust.claims.push_back(claim);
   }
   return trust;
 }
 
-Reliability mean_reliability(const std::vector<RobotTrust>& people) {
-  Reliability mean;
-  for (const RobotTrust& person : people)
-    for (size_t b = 0; b < kReliabilityBins; ++b) {
-      mean[b].area += person.reliability[b].area / static_cast<double>(people.size());
-      mean[b].claimed += person.reliability[b].claimed / static_cast<double>(people.size());
-      mean[b].right += person.reliability[b].right / static_cast<double>(people.size());
-    }
-  return mean;
-}
-
-double largest_reliability_error(const Reliability& reliability) {
-  double worst = 0;
-  for (const ReliabilityBin& bin : reliability)
-    if (bin.area >= kLeastShare) worst = std::max(worst, std::abs(bin.claimed - bin.right) / bin.area);
-  return worst;
-}
-
-std::string reliability_text(const Reliability& reliability) {
-  std::string text = "  claimed   right  % of the area\n";
-  for (const ReliabilityBin& bin : reliability)
-    if (bin.area > 0)
-      text += fmt::format("  {:7.3f} {:7.3f} {:14.2f}\n", bin.claimed / bin.area, bin.right / bin.area,
-                          100 * bin.area);
-  return text + fmt::format("  largest difference among bins of 1 % of the area and more: {:.1f} points\n",
-                            100 * largest_reliability_error(reliability));
-}
-
 std::string trust_line(const RobotTrust& of) {
   return fmt::format(
-      "{:<28} right {:6.2f} %  in doubt {:6.2f} %  questions {}  answered {:6.2f} %  borders {:5.1f} mm",
-      of.scan, 100 * of.accuracy, 100 * of.in_doubt, of.questions, 100 * of.answered, of.border_mm);
+      "{:<28} right {:6.2f} %  unsure {:6.2f} %  or asked {:6.2f} %  questions {}  answered {:6.2f} %  "
+      "borders "
+      "{:5.1f} mm",
+      of.scan, 100 * of.accuracy, 100 * of.unsure, 100 * of.in_doubt, of.questions, 100 * of.answered,
+      of.border_mm);
 }
 
 std::string trust_text(const std::vector<RobotTrust>& people) {
-  std::vector<double> right, answered, questions, undoubted, doubt;
+  std::vector<double> right, answered, questions, unsure, doubt, beyond_unsure, beyond_doubt;
+  std::vector<PersonClaims> claims;
   for (const RobotTrust& of : people) {
     right.push_back(of.accuracy);
     answered.push_back(of.answered);
     questions.push_back(static_cast<double>(of.questions));
+    unsure.push_back(of.unsure);
     doubt.push_back(of.in_doubt);
-    undoubted.push_back(1 - of.accuracy - of.in_doubt);
+    beyond_unsure.push_back(1 - of.accuracy - of.unsure);
+    beyond_doubt.push_back(1 - of.accuracy - of.in_doubt);
+    claims.push_back({of.scan.substr(0, of.scan.find('_')), of.claims});
   }
-  for (auto* values : {&right, &answered, &questions, &undoubted, &doubt})
+  for (auto* values : {&right, &answered, &questions, &unsure, &doubt, &beyond_unsure, &beyond_doubt})
     std::sort(values->begin(), values->end());
   const auto median = [](const std::vector<double>& v) {
     return 0.5 * (v[(v.size() - 1) / 2] + v[v.size() / 2]);
   };
-  return fmt::format(
-             "right {:.2f} % (median), {:.2f} % (worst); in doubt {:.2f} % (median); wrong less in doubt at "
-             "most {:.2f} %; questions "
-             "{:.1f} "
-             "(median), {:.0f} (most); answered {:.2f} % (median), {:.2f} % (worst)\n",
-             100 * median(right), 100 * right.front(), 100 * median(doubt), 100 * undoubted.back(),
+  return fmt::format("right {:.2f} % (median), {:.2f} % (worst)\n", 100 * median(right),
+                     100 * right.front()) +
+         fmt::format(
+             "less sure than {}: {:.2f} % (median), wrong beyond it at most {:.2f} %; or asked about: {:.2f} "
+             "% (median), wrong beyond it at most {:.2f} %\n",
+             kDoubtful, 100 * median(unsure), 100 * beyond_unsure.back(), 100 * median(doubt),
+             100 * beyond_doubt.back()) +
+         fmt::format(
+             "questions {:.1f} (median), {:.0f} (most); answered {:.2f} % (median), {:.2f} % (worst)\n",
              median(questions), questions.back(), 100 * median(answered), 100 * answered.front()) +
-         reliability_text(mean_reliability(people));
+         reliability_text(claims);
 }
 
 }  // namespace ohb

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/commands/label.h"
+#include "dataset/labelling/enclosed_patches.h"
 #include "dataset/labelling/labeller.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/data_files.h"
@@ -58,7 +59,7 @@ TEST(LabelQuestions, LeatherTrousersOfAnyColourAreAskedAboutAndOneAnswerTellsThe
     ASSERT_TRUE(question) << colour.x;
     EXPECT_EQ(question->name, "trousers");
     EXPECT_NEAR(question->area_cm2, 78 * 2 * 3.1416 * 12, 400);
-    EXPECT_LT(labels.confidence[knee], 0.96f) << "no look excludes leather";
+    EXPECT_LT(labels.confidence[knee], 0.971f) << "no look excludes leather";
     EXPECT_EQ(std::min(question->now, question->rival), kFabric);
     EXPECT_EQ(std::max(question->now, question->rival), kLeather);
     const Labelling answered = labeller.solve({stroke_of_answer(labeller, question->garment, kLeather)});
@@ -137,6 +138,85 @@ TEST(LabelQuestions, ClothesOfTheColourOfSkinAreAskedAbout) {
   EXPECT_GT(accuracy_of(answered, person), 0.95);
 }
 
+/// The kind that left the belt of a suit leather when both its halves had been answered.
+TEST(LabelQuestions, ASmallGarmentIsAsTheAnsweredOneThatLooksLikeIt) {
+  TubePerson person;
+  make_tube_person(48, 120, person);
+  dress(person, 7, 85, {0.10f, 0.08f, 0.07f}, kLeather);
+  dress(person, 85, 140, {0.16f, 0.15f, 0.15f}, kFabric);
+  Labeller labeller(person.scan, 1);
+  Garments garments = labeller.garments();
+  ASSERT_GE(garments.garments.size(), 2u);
+  std::vector<ClassValues> classes(garments.garments.size(), ClassValues{0, 0, 0.4f, 0.6f});
+  Garment belt = garments.garments[0];  // looks like the first, has no faces of its own
+  belt.area_cm2 = 0.01f * static_cast<float>(garments.all_cm2);
+  belt.is_shoe = false;
+  garments.garments.push_back(belt);
+  classes.push_back({0, 0, 0.4f, 0.6f});
+  hear_strokes(labeller.features(), 1, garments, {stroke_of_answer(labeller, 0, kFabric)}, classes);
+  EXPECT_GT(classes.back()[kFabric], 0.8f);
+  classes.back() = {0, 0, 0.4f, 0.6f};
+  garments.garments.back().look[0] += 60;
+  hear_strokes(labeller.features(), 1, garments, {stroke_of_answer(labeller, 0, kFabric)}, classes);
+  EXPECT_FLOAT_EQ(classes.back()[kFabric], 0.4f) << "it looks otherwise";
+}
+
+TEST(LabelQuestions, LeatherIsAsCommonAsIsStated) {
+  TubePerson person;
+  make_tube_person(48, 120, person);
+  const uint32_t knee = 30 * 48 + 24;
+  float before = 0;
+  for (float share : {0.02f, 0.1f, 0.3f, 0.6f}) {
+    Labeller labeller(person.scan, 1, {}, share);
+    const uint32_t g = labeller.garments().of_face[knee];
+    ASSERT_NE(g, Garments::kNone);
+    const ClassValues p = piece_classes(labeller.garments().garments[g], labeller.piece_cues()[g],
+                                        installed_label_model().pieces, share);
+    EXPECT_GE(p[kLeather], before);
+    EXPECT_LE(p[kFabric], 0.9701f) << "no look excludes leather";
+    before = p[kLeather];
+  }
+  EXPECT_GT(before, 0.1f);
+}
+
+/// Soles of the colour of skin under shoes were skin; palms of dark hands were cloth.
+TEST(LabelPatches, SolesAreOfTheirShoesAndPalmsAreSkin) {
+  constexpr int kSide = 40;  // a sheet of 40 x 40 cm, its patch in the middle
+  Scan scan;
+  for (int z = 0; z <= kSide; ++z)
+    for (int x = 0; x <= kSide; ++x)
+      scan.positions.push_back({static_cast<float>(x), 0, static_cast<float>(z)});
+  scan.face_begin.push_back(0);
+  for (int z = 0; z < kSide; ++z)
+    for (int x = 0; x < kSide; ++x) {
+      const uint32_t v = static_cast<uint32_t>(z * (kSide + 1) + x);
+      for (uint32_t corner : {v, v + 1, v + kSide + 2, v + kSide + 1}) scan.corners.push_back({corner});
+      scan.face_begin.push_back(static_cast<uint32_t>(scan.corners.size()));
+    }
+  FaceFeatures features;
+  features.graph = face_graph(scan, 1);
+  BodyFrame frame;
+  frame.top_cm = 170;
+  const auto changes_of = [&](uint8_t around, uint8_t inside, float hue) {
+    std::vector<uint8_t> part(features.size(), around);
+    features.lab.assign(features.size(), {40, 15, 15});
+    for (int z = 18; z < 22; ++z)
+      for (int x = 18; x < 21; ++x) {
+        part[static_cast<size_t>(z * kSide + x)] = inside;
+        features.lab[static_cast<size_t>(z * kSide + x)] = {60, 15, 15 + hue};
+      }
+    return enclosed_patches(features, frame, part);
+  };
+  const std::vector<PartChange> palm = changes_of(kSkin, kFabric, 4), sole = changes_of(kFabric, kSkin, 4);
+  ASSERT_EQ(palm.size(), 12u);
+  EXPECT_EQ(palm[0].part, kSkin);
+  ASSERT_EQ(sole.size(), 12u);
+  EXPECT_EQ(sole[0].part, kFabric);
+  EXPECT_TRUE(changes_of(kSkin, kFabric, 40).empty()) << "a plaster of another hue is none";
+  frame.ground_cm = -100;
+  EXPECT_TRUE(changes_of(kFabric, kSkin, 4).empty()) << "a neckline is no sole";
+}
+
 TEST(LabelModel, CalibrationIsLinearBetweenItsKnotsAndHoldsItsEnds) {
   LabelModel model;
   model.lead = {-1, 1, 3};
@@ -181,8 +261,8 @@ TEST(LabelModel, ReadsWhatItWroteAndRefusesWhatIsNoModel) {
   json["calibration"].front()["right"] = 1.5;
   refused(json, {"calibration", "ascend"});
   json = nlohmann::json::parse(text);
-  json["leather"]["shoe"] = "often";
-  refused(json, {"shoe", "no number"});
+  json["leather"]["brown"] = "often";
+  refused(json, {"brown", "no number"});
   refused(nlohmann::json::array(), {"object"});
 }
 
@@ -256,7 +336,7 @@ TEST(LabelQuestions, WrongAnswersAreRefusedInWordsAndWriteNothing) {
   refused({"trousers=leather"}, {"--answer", "--automatic"});
 }
 
-/// Measured, each person by what was learned from the others: see docs/commands/label.md. Here by the
+/// Measured, each person by what was learned from the others: see docs/measurements/label.md. Here by the
 /// installed weights.
 TEST(LabelQuestions, DressedHumansAreRightOnceTheyAreAnswered) {
   OHB_SHARED_DATA_OR_SKIP(folder, "humans");
@@ -275,9 +355,9 @@ TEST(LabelQuestions, DressedHumansAreRightOnceTheyAreAnswered) {
     for (size_t f = 0; f < areas.size(); ++f) {
       all += areas[f];
       if (labels.face_class[f] != truth[f]) wrong += areas[f];
-      if (labels.confidence[f] < kDoubtful) doubtful += areas[f];
+      if (labels.is_in_doubt[f]) doubtful += areas[f];
     }
-    EXPECT_LT(wrong, doubtful + 0.03 * all) << file;
+    EXPECT_LT(wrong, doubtful) << file << " of " << all;
     std::vector<Stroke> strokes;
     for (const GarmentQuestion& question : labels.questions) {
       std::array<double, kClassCount> of{};
@@ -287,11 +367,11 @@ TEST(LabelQuestions, DressedHumansAreRightOnceTheyAreAnswered) {
       strokes.push_back(stroke_of_answer(labeller, question.garment, static_cast<MaterialClass>(most)));
     }
     answered.push_back(compare_with_truth(labeller.solve(strokes).face_class, truth, areas).accuracy);
-    EXPECT_GT(answered.back(), 0.97) << file;
+    EXPECT_GT(answered.back(), 0.98) << file;
   }
   ASSERT_FALSE(answered.empty());
   std::nth_element(answered.begin(), answered.begin() + answered.size() / 2, answered.end());
-  EXPECT_GT(answered[answered.size() / 2], 0.99);
+  EXPECT_GT(answered[answered.size() / 2], 0.995);
 }
 
 }  // namespace

@@ -1,0 +1,22 @@
+// Small patches that are of another part than all that surrounds them, and should not be: palms and lips amid
+// skin, soles of the colour of skin under shoes.
+#pragma once
+
+#include <vector>
+
+#include "dataset/labelling/start_cues.h"
+
+namespace ohb::labelling {
+
+struct PartChange {
+  uint32_t face;
+  uint8_t part;  // kSkin, or kFabric for a garment
+};
+
+/// `part`: of each face kSkin, kHair or kFabric (a garment). A connected patch of cloth below 1 % of the area
+/// that is surrounded by skin and has its hue is skin (a palm of a dark hand); one of skin that is surrounded
+/// by cloth, lower than the middle of a bare foot, is a sole.
+std::vector<PartChange> enclosed_patches(const FaceFeatures& features, const BodyFrame& frame,
+                                         const std::vector<uint8_t>& part);
+
+}  // namespace ohb::labelling
