@@ -128,6 +128,25 @@ def set_cycles(scene, samples, seed):
     scene.cycles.use_denoising = False
 
 
+def can_denoise():
+    """Whether this Blender was built with a denoiser for any device (Debian's was not)."""
+    try:
+        import _cycles
+    except ImportError:
+        return False
+    return bool(getattr(_cycles, "with_openimagedenoise", False))
+
+
+def render_state(scene):
+    """What a user has chosen about rendering: name -> value, in words of Blender's panels."""
+    return {"engine": scene.render.engine, "device": scene.cycles.device, "samples": scene.cycles.samples,
+            "viewport samples": scene.cycles.preview_samples, "denoiser": scene.cycles.use_denoising,
+            "viewport denoiser": scene.cycles.use_preview_denoising,
+            "view": scene.view_settings.view_transform, "look": scene.view_settings.look,
+            "exposure": scene.view_settings.exposure, "gamma": scene.view_settings.gamma,
+            "compositor": scene.use_nodes}
+
+
 def set_pixel_filter(scene, kind):
     """"SOFT": Blender's own, 1.5 pixels wide; "BOX": each pixel by itself; "POINT": one point, its centre."""
     scene.cycles.pixel_filter_type = "BOX" if kind == "BOX" else "BLACKMAN_HARRIS"

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The camera of maps.json in the scene: rendered at the maps' size it sees the picture that the maps belong to."""
-import math
-
 import bpy
+from mathutils import Matrix
 
 from . import grid
 
@@ -17,6 +16,11 @@ def remember(item, info):
     item[PROPERTY] = {"type": shape.type, "distance_cm": shape.distance_cm, "half_width": shape.half_width,
                       "width_cm": shape.width_cm, "center_y_cm": shape.center_y_cm,
                       "width_px": info.width_px, "height_px": info.height_px}
+
+
+def frame_width_cm(shape):
+    """Of the picture at the centre plane. shape: a relief's PROPERTY."""
+    return 2 * shape["distance_cm"] * shape["half_width"] if shape["type"] == "perspective" else shape["width_cm"]
 
 
 def match(scene, item):
@@ -40,8 +44,9 @@ def match(scene, item):
         distance = STAND_OFF * shape["width_cm"] * grid.CM
     lens.clip_start = distance * 1e-3
     lens.clip_end = distance * 100
-    found.rotation_euler = (math.pi / 2, 0, 0)   # from -Y towards +Y, +Z up
-    found.location = (0, -distance, shape["center_y_cm"] * grid.CM)
+    # The person's own axes are the camera's: wherever it was moved or turned to, the camera stands before it.
+    place = Matrix.LocRotScale(item.matrix_basis.to_translation(), item.matrix_basis.to_quaternion(), None)
+    found.matrix_world = place @ Matrix.Translation((0, 0, distance))
     scene.camera = found
     render = scene.render
     render.resolution_x, render.resolution_y = shape["width_px"], shape["height_px"]

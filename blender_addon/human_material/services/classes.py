@@ -11,7 +11,7 @@ import json
 import os
 from collections import Counter
 
-from . import decode
+from . import decode, vector
 
 _FILE = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "data", "materials.json")
 with open(_FILE, encoding="utf-8") as _stream:
@@ -39,6 +39,12 @@ FEATURES = tuple(feature(decode.srgb_to_linear(e["specular"]), e["roughness"], e
 def shares_of_map(values, pixels):
     """From the map `classes` (hair, fabric, leather a pixel) to four shares that sum to 1."""
     shares = decode.zeros(len(values) // 3 * 4)
+    if vector.np:
+        hfl = vector.view(values, 3)[pixels].astype(float)
+        total = hfl.sum(1, keepdims=True)
+        vector.view(shares, 4)[pixels] = vector.np.concatenate(
+            [vector.np.maximum(0.0, 1 - total), hfl / vector.np.maximum(total, 1.0)], 1)
+        return shares
     for p in pixels:
         hair, fabric, leather = values[3 * p:3 * p + 3]
         total = max(hair + fabric + leather, 1.0)
@@ -49,6 +55,25 @@ def shares_of_map(values, pixels):
 
 def shares_of_materials(f0, roughness, sss, pixels, width, height):
     """Soft masks of the classes, decoded from the material maps: four shares a pixel that sum to 1."""
+    steps = _fast_steps if vector.np else _steps
+    points, voted, mixed = steps(f0, roughness, sss, pixels, width, height)
+    shares = decode.zeros(4 * width * height)
+    for p in pixels if mixed is None else mixed:
+        nearby = _classes_around(voted, p, width, height, BORDER_RADIUS_PX)
+        if len(nearby) == 1:
+            shares[4 * p + voted[p]] = 1.0
+        else:
+            a, b, t = best_mixture(points(p), sorted(nearby))
+            shares[4 * p + a] = 1 - t
+            shares[4 * p + b] += t
+    if mixed is not None:
+        alone = vector.np.setdiff1d(pixels, mixed, assume_unique=True)
+        vector.view(shares, 4)[alone, vector.view(voted)[alone]] = 1.0
+    return shares
+
+
+def _steps(f0, roughness, sss, pixels, width, height):
+    """(point of a pixel, voted classes, None: every pixel may be a mixture)."""
     points = {p: feature(f0[p], roughness[p], sss[p]) for p in pixels}
     nearest = bytearray([NOTHING]) * (width * height)
     known = {}
@@ -59,16 +84,26 @@ def shares_of_materials(f0, roughness, sss, pixels, width, height):
     voted = vote(nearest, pixels, width, height)
     for p in stray_hair(voted, pixels, width, height):
         voted[p] = nearest_class(points[p], without=HAIR)
-    shares = decode.zeros(4 * width * height)
-    for p in pixels:
-        nearby = _classes_around(voted, p, width, height, BORDER_RADIUS_PX)
-        if len(nearby) == 1:
-            shares[4 * p + voted[p]] = 1.0
-        else:
-            a, b, t = best_mixture(points[p], sorted(nearby))
-            shares[4 * p + a] = 1 - t
-            shares[4 * p + b] += t
-    return shares
+    return points.__getitem__, voted, None
+
+
+def _fast_steps(f0, roughness, sss, pixels, width, height):
+    """The same; the third are the pixels near to another class."""
+    np = vector.np
+    pixels = np.asarray(pixels)
+    all_points = np.stack([vector.linear_to_srgb(vector.view(f0)[pixels].astype(float)),
+                           vector.view(roughness)[pixels], SSS_SCALE * vector.view(sss)[pixels]], 1)
+    at = np.zeros(width * height, np.int64)
+    at[pixels] = np.arange(len(pixels))
+
+    def point(p):
+        return tuple(all_points[at[p]])
+    nearest = vector.nearest_classes(all_points, FEATURES, NOTHING, pixels, width * height)
+    voted = vector.vote(nearest, pixels, len(NAMES), width, height, VOTE_RADIUS_PX)
+    for p in stray_hair(voted, pixels, width, height):
+        voted[p] = nearest_class(point(p), without=HAIR)
+    kinds = (vector.windows(voted, len(NAMES), width, height, BORDER_RADIUS_PX) > 0).sum(0).ravel()
+    return point, voted, pixels[kinds[pixels] > 1]
 
 
 def nearest_class(point, without=NOTHING):
@@ -77,10 +112,10 @@ def nearest_class(point, without=NOTHING):
 
 def stray_hair(labels, pixels, width, height):
     """Pixels of the pieces of hair that do not reach into the head; none where no piece does."""
-    if not pixels:
+    if len(pixels) == 0:
         return []
-    rows = [p // width for p in pixels]
-    head_end = min(rows) + HEAD_SHARE * (max(rows) + 1 - min(rows))
+    first, last = int(min(pixels)) // width, int(max(pixels)) // width
+    head_end = first + HEAD_SHARE * (last + 1 - first)
     on_head, stray = False, []
     for piece in _pieces(labels, HAIR, width, height):
         if min(piece) // width < head_end:
@@ -105,13 +140,13 @@ def _pieces(labels, wanted, width, height):
 
 
 def vote(labels, pixels, width, height):
-    """Each pixel takes the class of most pixels in the 5 x 5 around it; on a tie it keeps its own."""
+    """Each pixel takes the class of most pixels in the 5 x 5 around it; on a tie it keeps its own, or the lowest."""
     result = bytearray(labels)
     for p in pixels:
         counts = Counter(_window(labels, p, width, height, VOTE_RADIUS_PX))
         counts.pop(NOTHING, None)
         if len(counts) > 1:
-            result[p] = max(counts, key=lambda c: (counts[c], c == labels[p]))
+            result[p] = max(counts, key=lambda c: (counts[c], c == labels[p], -c))
     return result
 
 

@@ -8,6 +8,7 @@ import math
 from array import array
 from itertools import compress
 
+from . import vector
 from .errors import InputError
 
 SLACK = 0.01            # beyond [0, 1]: clamped, above that refused
@@ -31,11 +32,15 @@ F0_OF = {
 
 def covered_pixels(mask):
     """Indices of the pixels of which something is covered."""
+    if vector.np:
+        return vector.np.flatnonzero(vector.view(mask) > 0)
     return list(compress(range(len(mask)), [value > 0 for value in mask]))
 
 
 def check_finite(values, channels, pixels, width, height, path):
     """All values of the given pixels are finite, or InputError names the first that is not."""
+    if vector.np and vector.is_finite(values, channels, pixels):
+        return
     isfinite = math.isfinite
     for p in pixels:
         for c in range(channels):
@@ -46,6 +51,8 @@ def check_finite(values, channels, pixels, width, height, path):
 
 def clamp_unit(values, channels, pixels, width, height, path):
     """Clamps to [0, 1] in place; more than SLACK outside is an error."""
+    if vector.np and vector.clamp_unit(values, channels, pixels, SLACK):
+        return
     for p in pixels:
         for i in range(p * channels, (p + 1) * channels):
             value = values[i]
@@ -59,6 +66,9 @@ def clamp_unit(values, channels, pixels, width, height, path):
 
 def decode_each(values, channels, pixels, function):
     """Applies a function to the values of the given pixels, in place; equal values are computed once."""
+    if vector.np:
+        vector.decode_each(values, channels, pixels, vector.srgb_to_linear if function is srgb_to_linear else function)
+        return
     known = {}
     for p in pixels:
         for i in range(p * channels, (p + 1) * channels):
@@ -69,10 +79,9 @@ def decode_each(values, channels, pixels, function):
             values[i] = result
 
 
-def decode_normals(values, pixels, encoding, path):
-    """Unit normals in place; InputError if they were evidently written in another encoding."""
+def _unit_normals(values, pixels, scale, shift):
+    """Unit normals in place; returns (median length before, how many look away)."""
     lengths, away = [], 0
-    scale, shift = (2.0, -1.0) if encoding == "offset" else (1.0, 0.0)
     for p in pixels:
         i = 3 * p
         x, y, z = values[i] * scale + shift, values[i + 1] * scale + shift, values[i + 2] * scale + shift
@@ -82,7 +91,13 @@ def decode_normals(values, pixels, encoding, path):
         if length < 1e-6:
             x, y, z, length = 0.0, 0.0, 1.0, 1.0
         values[i], values[i + 1], values[i + 2] = x / length, y / length, z / length
-    median = sorted(lengths)[len(lengths) // 2]
+    return sorted(lengths)[len(lengths) // 2], away
+
+
+def decode_normals(values, pixels, encoding, path):
+    """Unit normals in place; InputError if they were evidently written in another encoding."""
+    scale, shift = (2.0, -1.0) if encoding == "offset" else (1.0, 0.0)
+    median, away = (vector.decode_normals if vector.np else _unit_normals)(values, pixels, scale, shift)
     if not NORMAL_LENGTH[0] <= median <= NORMAL_LENGTH[1]:
         raise InputError(path, "", "its normals have a median length of %.2f, read as '%s'" % (median, encoding),
                          "correct maps.normal.encoding in maps.json")
@@ -94,6 +109,8 @@ def decode_normals(values, pixels, encoding, path):
 def decode_displacement(values, pixels, encoding, r_cm, camera, width, height, path):
     """Signed cm from the centre plane, in place."""
     limit = camera.distance_cm if camera.type == "perspective" else math.inf
+    if vector.np and vector.decode_displacement(values, pixels, encoding == "offset", r_cm, limit):
+        return
     for p in pixels:
         depth = (values[p] - 0.5) * 2 * r_cm if encoding == "offset" else values[p]
         if depth >= limit:
@@ -106,6 +123,9 @@ def decode_displacement(values, pixels, encoding, r_cm, camera, width, height, p
 def grow(values, channels, known, width, height, steps):
     """Fills pixels next to known ones with the mean of those, `steps` times, in place, so that interpolation at
     the person's outline never meets the background. known: bytearray, 1 where values hold; is grown too."""
+    if vector.np:
+        vector.grow(values, channels, known, width, height, steps)
+        return
     border = [p for p in range(width * height) if known[p]]
     for _ in range(steps):
         sums = {}
@@ -121,6 +141,46 @@ def grow(values, channels, known, width, height, steps):
         border = list(sums)
 
 
+LEAST_AGREEMENT = 0.3   # correlation of slopes that is no chance
+
+
+def check_green_up(normals, depth_cm, pixels, known, width, height, path):
+    """Throws InputError where normals agree with the displacement from left to right and contradict it from bottom
+    to top: their green channel points down, as DirectX has it."""
+    across, up = vector.slopes(normals, depth_cm, known, width, height) if vector.np else \
+        _slopes(normals, depth_cm, pixels, known, width, height)
+    if agreement(across) > LEAST_AGREEMENT and agreement(up) < -LEAST_AGREEMENT:
+        raise InputError(path, "", "its green channel points down (DirectX): it contradicts the displacement",
+                         "invert the green channel: +Y is up")
+
+
+def _slopes(normals, depth_cm, pixels, known, width, height):
+    """Pairs of slopes (of the depth, of the normal) across and up, of the pixels that have all four neighbours."""
+    across, up = [], []
+    for p in pixels:
+        x, y = p % width, p // width
+        nz = normals[3 * p + 2]
+        if not (0 < x < width - 1 and 0 < y < height - 1 and nz > 0.3):
+            continue
+        if known[p - 1] and known[p + 1] and known[p - width] and known[p + width]:
+            across.append((depth_cm[p + 1] - depth_cm[p - 1], -normals[3 * p] / nz))
+            up.append((depth_cm[p + width] - depth_cm[p - width], -normals[3 * p + 1] / nz))
+    return across, up
+
+
+def agreement(pairs):
+    """Correlation of pairs of slopes, each cut off at its tenfold median: edges have any slope."""
+    if len(pairs) < 16:
+        return 0.0
+    if vector.np:
+        return vector.agreement(pairs)
+    limits = [10 * sorted(abs(pair[k]) for pair in pairs)[len(pairs) // 2] for k in (0, 1)]
+    cut = [[min(max(pair[k], -limits[k]), limits[k]) for pair in pairs] for k in (0, 1)]
+    product = sum(a * b for a, b in zip(*cut))
+    size = math.sqrt(sum(a * a for a in cut[0]) * sum(b * b for b in cut[1]))
+    return product / size if size > 0 else 0.0
+
+
 PIT_PX = 2     # pits of at most so many pixels across are mended ...
 PIT_CM = 1.0   # ... that are deeper than this
 
@@ -129,6 +189,9 @@ def mend_pits(depth_cm, known, width, height):
     """Fills isolated pits, in place. A pixel on an edge holds the mean of near and far, where nothing is (the corner
     of a mouth, a gap between strands of hair): a hole there is black under any light. A pit is closed in along rows,
     columns and both diagonals, so slopes, steps, creases and the person's outline stay."""
+    if vector.np:
+        vector.mend_pits(depth_cm, known, width, height, PIT_PX, PIT_CM)
+        return
     filled = {}
     for p in range(width * height):
         if known[p]:
@@ -165,6 +228,9 @@ def grow_depth(depth_cm, normals, known, width, height, steps, pixel_cm):
     side and from behind reaches it. From a pixel whose normal looks at the viewer by c = cos a, a round body falls
     by (1 + sin a) / c for each unit of the way to its outline: more than its tangent plane. Normals are grown
     already."""
+    if vector.np:
+        vector.grow_depth(depth_cm, normals, known, width, height, steps, pixel_cm, MIN_FACING, MOST_FALL_CM)
+        return
     border = [p for p in range(width * height) if known[p]]
     for _ in range(steps):
         found = {}
@@ -188,6 +254,9 @@ def grow_depth(depth_cm, normals, known, width, height, steps, pixel_cm):
 def turn_away(normals, mask, known):
     """Beyond the outline normals look away from the viewer, mirrored at the picture's plane: interpolated, those of a
     pixel at the outline turn within it until they look sideways, as on a round body."""
+    if vector.np:
+        vector.turn_away(normals, mask, known)
+        return
     for p in range(len(mask)):
         if known[p] and not mask[p] > 0:
             normals[3 * p + 2] = -normals[3 * p + 2]

@@ -8,7 +8,7 @@ the nodes are the only place where an edit is kept.
 import bpy
 
 from .. import compat
-from . import classes, decode, presets
+from . import classes, decode, presets, vector
 from .errors import InputError
 
 GROUP = "HM_ClassEdit"
@@ -51,6 +51,11 @@ def mean_luminance(maps, class_index):
     """Of the class's albedo, weighted by its share and coverage."""
     total = weight_sum = 0.0
     shares, mask, diffuse = maps.shares, maps.mask, maps.diffuse
+    if vector.np:
+        weights = vector.view(shares, 4)[:, class_index].astype(float) * vector.view(mask)
+        weight_sum = weights.sum()
+        lit = vector.view(diffuse, 3).astype(float) @ [0.2126, 0.7152, 0.0722]
+        return float((weights * vector.np.where(weights > 0, lit, 0)).sum() / weight_sum) if weight_sum > 0 else 0.0
     for p in range(len(mask)):
         weight = shares[4 * p + class_index] * mask[p]
         if weight > 0:
@@ -68,6 +73,14 @@ def node_of(material, class_name):
         raise InputError("", material.name if material else "no material", "is not a material of imported maps",
                          "select the relief of an imported maps folder")
     return node
+
+
+def nodes_of(material):
+    """Class -> edit node, of a material of ours; none of another."""
+    if material is None or material.node_tree is None:
+        return {}
+    found = {name: material.node_tree.nodes.get(NODE + name) for name in classes.NAMES}
+    return {name: node for name, node in found.items() if node is not None}
 
 
 def apply(material, class_name, preset):
@@ -90,14 +103,18 @@ def reset(material, class_name):
 
 def reset_node(node, class_index):
     """No edit; the sliders stand at the class's own material."""
-    entry = classes.TABLE[class_index]
     for name in SLIDERS:
         if name.endswith("Amount"):
             node.inputs[name].default_value = 0.0
-    node.inputs["Color"].default_value = (0.5, 0.5, 0.5, 1.0)
-    node.inputs["Roughness"].default_value = entry["roughness"]
-    node.inputs["F0"].default_value = decode.srgb_to_linear(entry["specular"])
-    node.inputs["Subsurface"].default_value = entry["sss"]
+    for name, value in values_as_imported(classes.NAMES[class_index]).items():
+        node.inputs[name].default_value = value
+
+
+def values_as_imported(class_name):
+    """Where the sliders of a class stand without an edit, as the floats that Blender keeps."""
+    entry = classes.TABLE[classes.NAMES.index(class_name)]
+    single = decode.array("f", (entry["roughness"], decode.srgb_to_linear(entry["specular"]), entry["sss"]))
+    return {"Color": (0.5, 0.5, 0.5, 1.0), "Roughness": single[0], "F0": single[1], "Subsurface": single[2]}
 
 
 # The node group -----------------------------------------------------------------------------------------

@@ -66,6 +66,18 @@ def set_strength(scene, strength):
     world_nodes(scene)[BACKGROUND].inputs["Strength"].default_value = strength
 
 
+def check_present(scene):
+    """Throws InputError if the environment's file has gone since it was chosen: the world would be pink."""
+    if not has_world(scene):
+        return
+    image = scene.world.node_tree.nodes[TEXTURE].image
+    if image is None or image.packed_file is not None or image.source != "FILE":
+        return
+    path = bpy.path.abspath(image.filepath)
+    if not os.path.isfile(path):
+        raise InputError(path, "", "the environment is not there any more", "choose it again (Environment)")
+
+
 def set_dark(scene):
     """No environment: other lights only."""
     nodes = world_nodes(scene)

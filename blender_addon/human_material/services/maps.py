@@ -93,7 +93,7 @@ def _decoded(info, rasters, warnings):
     decode.check_finite(mask, 1, every, width, height, path["mask"])
     decode.clamp_unit(mask, 1, every, width, height, path["mask"])
     pixels = decode.covered_pixels(mask)
-    if not pixels:
+    if len(pixels) == 0:
         raise InputError(path["mask"], "", "covers nothing", "give the mask of the person, white on black")
     for name, values in rasters.items():
         decode.check_finite(values, info.maps[name].channels, pixels, width, height, path[name])
@@ -103,6 +103,8 @@ def _decoded(info, rasters, warnings):
     decode.decode_normals(rasters["normal"], pixels, encoding["normal"], path["normal"])
     decode.decode_displacement(rasters["displacement"], pixels, encoding["displacement"],
                                info.maps["displacement"].r_cm, info.camera, width, height, path["displacement"])
+    decode.check_green_up(rasters["normal"], rasters["displacement"], pixels, bytearray(value > 0 for value in mask),
+                          width, height, path["normal"])
     if encoding["diffuse"] == "srgb":
         decode.decode_each(rasters["diffuse"], 3, pixels, decode.srgb_to_linear)
     decode.decode_each(rasters["specular"], 1, pixels, decode.F0_OF[encoding["specular"]])

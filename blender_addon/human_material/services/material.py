@@ -7,7 +7,7 @@ services/maps.py. So the nodes are the same for every maps folder and every Blen
 import bpy
 
 from .. import compat
-from . import classes, decode, edit
+from . import classes, decode, edit, vector
 
 RADIUS_M = (0.01, 0.002, 0.001)   # of scattering at sss = 1: (1.0, 0.2, 0.1) cm
 F0_PER_SPECULAR = 0.08
@@ -36,7 +36,7 @@ def packed_image(name, width, height, channels):
 def images_of(maps, name):
     """The material's images: HM_diffuse (RGB, alpha = coverage), HM_normal, HM_rss, HM_shares."""
     width, height = maps.size
-    normal = [decode.array("f", [0.5 * n + 0.5 for n in maps.normal[c::3]]) for c in range(3)]
+    normal = [_encoded(maps.normal[c::3]) for c in range(3)]
     content = {
         "diffuse": [maps.diffuse[c::3] for c in range(3)] + [maps.mask],
         "normal": normal,
@@ -45,6 +45,14 @@ def images_of(maps, name):
     }
     return {key: packed_image("%s %s" % (name, key), width, height, channels)
             for key, channels in content.items()}
+
+
+def _encoded(values):
+    """(n + 1) / 2."""
+    if vector.np:
+        half = 0.5 * vector.view(values) + 0.5
+        return decode.array("f", half.astype("f").tobytes())
+    return decode.array("f", [0.5 * n + 0.5 for n in values])
 
 
 def build(maps, name, subsurface_method="random_walk_skin"):

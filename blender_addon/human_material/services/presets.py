@@ -20,6 +20,8 @@ class Preset:
     roughness: float = None
     f0: float = None
     sss: float = None
+    classes: tuple = ()      # whose menu lists it
+
 
 
 def color_of(text):
@@ -36,10 +38,15 @@ def _read():
         entry["name"], entry["label"], color_of(entry["color"]) if "color" in entry else None,
         entry.get("roughness"),
         decode.srgb_to_linear(entry["specular"]) if "specular" in entry else None,
-        entry.get("sss")) for entry in entries}
+        entry.get("sss"), tuple(entry["classes"])) for entry in entries}
 
 
 PRESETS = _read()
+
+
+def of_class(class_name):
+    """The presets that make sense for a class."""
+    return [preset for preset in PRESETS.values() if class_name in preset.classes]
 
 
 def parse_edit(text):

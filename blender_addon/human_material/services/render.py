@@ -12,8 +12,28 @@ from .errors import InputError
 KINDS = {".png": "PNG", ".exr": "OPEN_EXR"}
 
 
+def prepare_scene(scene, samples, preview_samples, **asked):
+    """Cycles with so many samples a pixel, final and in the viewport. Device, denoiser, view and compositor stay as
+    they are unless asked for: cpu, no_denoiser, plain_view, no_compositor. A denoiser that this Blender was built
+    without is always switched off: it would refuse to render. Returns what was changed, in words."""
+    before = compat.render_state(scene)
+    scene.render.engine = "CYCLES"
+    scene.cycles.samples, scene.cycles.preview_samples = samples, preview_samples
+    if asked.get("cpu"):
+        scene.cycles.device = "CPU"
+    if asked.get("no_denoiser") or not compat.can_denoise():
+        scene.cycles.use_denoising = scene.cycles.use_preview_denoising = False
+    if asked.get("plain_view"):
+        compat.set_plain_view(scene)
+    if asked.get("no_compositor"):
+        scene.use_nodes = False
+    after = compat.render_state(scene)
+    return ["%s %s (was %s)" % (name, after[name], before[name]) for name in after if after[name] != before[name]]
+
+
 def prepare(scene, samples=64, seed=0):
-    """Cycles, sRGB without a film curve, background transparent unless it was asked for."""
+    """For measurements and `humanmaterial relight`: Cycles on the CPU, no denoiser, sRGB without a film curve, no
+    compositor."""
     compat.set_cycles(scene, samples, seed)
     compat.set_plain_view(scene)
     scene.use_nodes = False
@@ -62,15 +82,68 @@ def to_file(scene, path):
     path = os.path.abspath(path)
     stem, extension = os.path.splitext(path)
     temporary = "%s.part%d%s" % (stem, os.getpid(), extension)
-    settings = scene.render
-    before = settings.filepath, settings.use_file_extension
-    settings.filepath, settings.use_file_extension = temporary, False
-    compat.set_output(scene, kind_of(path))
+    before = _set_output(scene, path, temporary)
     try:
         bpy.ops.render.render(write_still=True, scene=scene.name)
         check_whole(temporary)
         os.replace(temporary, path)
     finally:
-        settings.filepath, settings.use_file_extension = before
+        _restore_output(scene, before)
         if os.path.exists(temporary):
             os.remove(temporary)
+
+
+def in_window(scene, path, report):
+    """Like to_file, in Blender's own render window, with its progress and its Esc. Returns at once; report(words) is
+    called when the picture is there, or is not."""
+    check_target(path)
+    path = os.path.abspath(path)
+    stem, extension = os.path.splitext(path)
+    temporary = "%s.part%d%s" % (stem, os.getpid(), extension)
+    before = _set_output(scene, path, temporary)
+    handlers = bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel
+
+    def finish():
+        words = "Wrote %s" % path
+        try:
+            check_whole(temporary)
+            os.replace(temporary, path)
+        except OSError as error:
+            words = "No picture: %s" % error
+        if os.path.exists(temporary):
+            os.remove(temporary)
+        _restore_output(scene, before)
+        report(words)
+
+    def ended(*_):
+        for handler in handlers:
+            if ended in handler:
+                handler.remove(ended)
+        bpy.app.timers.register(finish, first_interval=0.1)   # scenes must not be changed inside the handler
+
+    for handler in handlers:
+        handler.append(ended)
+    bpy.ops.render.render("INVOKE_DEFAULT", write_still=True, scene=scene.name)
+
+
+OUTPUT = ("media_type", "file_format", "color_mode", "color_depth", "exr_codec", "compression")
+
+
+def _set_output(scene, path, temporary):
+    """Makes the scene write `temporary`, a PNG or EXR as `path` says. Returns what it wrote before."""
+    settings, image = scene.render, scene.render.image_settings
+    before = (settings.filepath, settings.use_file_extension,
+              {name: getattr(image, name) for name in OUTPUT if hasattr(image, name)})
+    settings.filepath, settings.use_file_extension = temporary, False
+    compat.set_output(scene, kind_of(path))
+    return before
+
+
+def _restore_output(scene, before):
+    settings, image = scene.render, scene.render.image_settings
+    settings.filepath, settings.use_file_extension = before[:2]
+    for name, value in before[2].items():   # the format before the depth that it can have
+        try:
+            setattr(image, name, value)
+        except TypeError:   # of another format than the one that is set
+            pass

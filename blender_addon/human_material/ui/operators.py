@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Thin operators: poll, one call of a service, a report. Bad input ends in a report and changes nothing."""
+import os
+
 import bpy
-from bpy.props import EnumProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from .. import compat
-from ..services import camera, classes, edit, environment, lights, material, presets, relief, render
+from ..services import animate, camera, classes, edit, environment, lights, material, presets, relief, render
 from ..services.errors import InputError
 
 CLASS_ITEMS = [(entry["name"], entry["label"], "") for entry in classes.TABLE]
@@ -48,11 +50,21 @@ class HM_OT_import_maps(Operator, ImportHelper):
         item, loaded = relief.load_into(context.scene, bpy.path.abspath(self.filepath), settings.jump_cm,
                                         subsurface_method=settings.subsurface_method)
         material.set_subsurface_scale(relief.material_of(item), settings.subsurface_scale)
+        animate.subsurface(context.scene, relief.material_of(item), material.SUBSURFACE_SCALE)
+        if settings.scatter_everywhere:
+            material.set_visible_scattering(relief.material_of(item), 0)
         material.set_interpolation(relief.material_of(item), smooth=not settings.pixel_exact)
         for other in context.selected_objects:
             other.select_set(False)
         item.select_set(True)
         context.view_layer.objects.active = item
+        hidden = relief.hide_default_cube(context.scene, item)
+        if hidden:
+            self.report({"WARNING"}, "%s stood in the person and is hidden" % hidden)
+        shining = [other.name for other in context.scene.objects
+                   if other.type == "LIGHT" and not other.hide_render and lights.NAME not in other.name]
+        if shining:
+            self.report({"WARNING"}, "Lit by the scene's lights too: %s" % ", ".join(shining[:3]))
         for warning in loaded.warnings:
             self.report({"WARNING"}, warning)
         return "%s: %d x %d pixels, %d faces" % (item.name, *loaded.size, len(item.data.polygons))
@@ -80,6 +92,8 @@ class HM_OT_set_environment(Operator, ImportHelper):
         settings = context.scene.hm
         image = environment.set_environment(context.scene, bpy.path.abspath(self.filepath),
                                             settings.rotation_deg, settings.strength)
+        animate.environment(context.scene, environment.world_nodes(context.scene), environment.MAPPING,
+                            environment.BACKGROUND)
         environment.show_background(context.scene, settings.show_background)
         return "Lit by %s" % image.name
 
@@ -121,17 +135,28 @@ class HM_OT_reset_edit(ReliefOperator):
 
 
 class HM_OT_prepare_render(Operator):
-    """Set Cycles, the number of samples and a view without a film curve, as `humanmaterial relight` renders"""
+    """Set Cycles and the numbers of samples. Device, denoiser, view and compositor stay unless asked for"""
     bl_idname = "hm.prepare_render"
     bl_label = "Prepare Render"
     bl_options = {"REGISTER", "UNDO"}
+    plain_view: BoolProperty(name="View Without a Film Curve", description="sRGB of the linear values, as "
+                             "`humanmaterial relight` writes")
+    no_denoiser: BoolProperty(name="No Denoiser")
+    cpu: BoolProperty(name="On the CPU")
+    no_compositor: BoolProperty(name="No Compositor")
 
     def run(self, context):
         settings = context.scene.hm
-        render.prepare(context.scene, settings.samples)
+        changed = render.prepare_scene(context.scene, settings.samples, settings.preview_samples,
+                                       plain_view=self.plain_view, no_denoiser=self.no_denoiser, cpu=self.cpu,
+                                       no_compositor=self.no_compositor)
         settings.pixel_exact = settings.pixel_exact   # applies it to every person
         environment.show_background(context.scene, settings.show_background)
-        return "Cycles, %d samples, %s" % (settings.samples, compat.generation())
+        try:
+            environment.check_present(context.scene)
+        except InputError as error:
+            self.report({"WARNING"}, str(error))
+        return "Changed: " + "; ".join(changed) if changed else "Nothing had to be changed"
 
 
 class HM_OT_render_picture(Operator):
@@ -140,6 +165,9 @@ class HM_OT_render_picture(Operator):
     bl_label = "Render Picture"
     filepath: StringProperty(subtype="FILE_PATH", options=compat.path_options())
     filter_glob: StringProperty(default="*.png;*.exr", options={"HIDDEN"})
+    check_existing: BoolProperty(default=True, options={"HIDDEN"})
+    overwrite: BoolProperty(name="Overwrite", default=False, options={"SKIP_SAVE"},
+                            description="Replace a picture of that name")
 
     @classmethod
     def poll(cls, context):
@@ -149,15 +177,46 @@ class HM_OT_render_picture(Operator):
         return True
 
     def invoke(self, context, event):
+        if self.filepath and self.overwrite:   # asked and answered
+            return self.execute(context)
         self.filepath = self.filepath or "relit.png"
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
     def run(self, context):
         path = bpy.path.abspath(self.filepath)
-        render.to_file(context.scene, path)
-        return "Wrote %s" % path
+        render.check_target(path)
+        environment.check_present(context.scene)
+        if os.path.exists(path) and not self.overwrite:
+            if bpy.app.background:
+                raise InputError(path, "", "is there already", "set overwrite, or choose another name")
+            bpy.ops.hm.overwrite_picture("INVOKE_DEFAULT", filepath=path)
+            return "Overwrite %s?" % os.path.basename(path)
+        if bpy.app.background:
+            try:
+                render.to_file(context.scene, path)
+            except RuntimeError as error:   # a denoiser that this Blender was built without, for one
+                raise InputError(path, "", "Blender did not render: %s" % str(error).strip(),
+                                 "Prepare Render may help") from None
+            return "Wrote %s" % path
+        render.in_window(context.scene, path, print)
+        return "Rendering %s; Esc stops" % os.path.basename(path)
+
+
+class HM_OT_overwrite_picture(bpy.types.Operator):
+    """Replace the picture that is there"""
+    bl_idname = "hm.overwrite_picture"
+    bl_label = "Overwrite the Picture That Is There"
+    bl_options = {"INTERNAL"}
+    filepath: StringProperty(subtype="FILE_PATH", options=compat.path_options())
+
+    def invoke(self, context, event):
+        return context.window_manager.invoke_confirm(self, event)
+
+    def execute(self, context):
+        return bpy.ops.hm.render_picture("EXEC_DEFAULT", filepath=self.filepath, overwrite=True)
 
 
 CLASSES = (HM_OT_import_maps, HM_OT_match_camera, HM_OT_set_environment, HM_OT_add_point_light,
-           HM_OT_apply_preset, HM_OT_reset_edit, HM_OT_prepare_render, HM_OT_render_picture)
+           HM_OT_apply_preset, HM_OT_reset_edit, HM_OT_prepare_render, HM_OT_render_picture,
+           HM_OT_overwrite_picture)

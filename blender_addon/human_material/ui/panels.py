@@ -2,7 +2,9 @@
 """Sidebar tab "Human Material": Maps, Light, Edit, Render."""
 import bpy
 
-from ..services import classes, edit, environment, relief
+from .. import compat
+from ..services import classes, edit, environment, presets, relief
+from ..services.errors import InputError
 
 
 class Panel:
@@ -23,9 +25,10 @@ class HM_PT_maps(Panel, bpy.types.Panel):
         layout = self.prepared()
         layout.operator("hm.import_maps", icon="IMPORT")
         settings = context.scene.hm
-        layout.prop(settings, "jump_cm", text="Depth Cut")
+        layout.prop(settings, "jump_cm", text="Cut (cm)")
         layout.prop(settings, "subsurface_method", text="Scatter")
         layout.prop(settings, "subsurface_scale", text="Scale")
+        layout.prop(settings, "scatter_everywhere")
         if relief.is_relief(context.object):
             shape = context.object["hm_camera"]
             layout.label(text="%s: %d x %d" % (context.object.name, shape["width_px"], shape["height_px"]))
@@ -42,14 +45,19 @@ class HM_PT_light(Panel, bpy.types.Panel):
         layout.operator("hm.set_environment", icon="WORLD")
         if environment.has_world(context.scene):
             image = context.scene.world.node_tree.nodes[environment.TEXTURE].image
-            layout.label(text=image.name if image else "No environment")
+            try:
+                environment.check_present(context.scene)
+                layout.label(text=image.name if image else "No environment")
+            except InputError:
+                layout.label(text="%s is missing" % image.name, icon="ERROR")
         column = layout.column()
-        column.prop(settings, "rotation_deg")
+        column.prop(settings, "rotation_deg", text="Rotation (°)")
         column.prop(settings, "strength")
         column.prop(settings, "show_background", text="Visible")
         column = layout.column()
-        column.prop(settings, "point_cm", text="Position")
-        column.prop(settings, "point_intensity")
+        for axis, name in enumerate(("Right (cm)", "Up (cm)", "Near (cm)")):
+            column.prop(settings, "point_cm", index=axis, text=name)
+        column.prop(settings, "point_intensity", text="At 1 m")
         column.operator("hm.add_point_light", icon="LIGHT_POINT")
 
 
@@ -65,13 +73,26 @@ def _draw_class(self, context):
     """The presets and sliders of one class. The names stand inside the sliders: beside them they are cut off."""
     layout = self.layout
     row = layout.row(align=True)
-    row.operator_menu_enum("hm.apply_preset", "preset", text="Preset").class_name = self.class_name
+    row.menu("HM_MT_presets_" + self.class_name, text="Preset")
     row.operator("hm.reset_edit", icon="LOOP_BACK").class_name = self.class_name
     node = edit.node_of(relief.material_of(context.object), self.class_name)
     column = layout.column(align=True)
     column.prop(node.inputs["Color"], "default_value", text="Color")
     for name in edit.SLIDERS:
         column.prop(node.inputs[name], "default_value", text=name, slider=True)
+
+
+def _draw_presets(self, context):
+    for preset in presets.of_class(self.class_name):
+        button = self.layout.operator("hm.apply_preset", text=preset.label)
+        button.class_name, button.preset = self.class_name, preset.name
+
+
+def _preset_menu(entry):
+    """The presets of one class."""
+    return type("HM_MT_presets_" + entry["name"], (bpy.types.Menu,), {
+        "bl_label": "Preset", "bl_idname": "HM_MT_presets_" + entry["name"], "class_name": entry["name"],
+        "draw": _draw_presets})
 
 
 def _class_panel(entry):
@@ -87,10 +108,15 @@ class HM_PT_render(Panel, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.prepared()
-        layout.prop(context.scene.hm, "samples")
+        layout.prop(context.scene.hm, "samples", text="Final")
+        layout.prop(context.scene.hm, "preview_samples", text="Preview")
+        if compat.can_denoise():
+            layout.prop(context.scene.cycles, "use_denoising", text="Denoise")
+            layout.prop(context.scene.cycles, "use_preview_denoising", text="In Preview")
         layout.prop(context.scene.hm, "pixel_exact")
         layout.operator("hm.prepare_render", icon="SCENE")
         layout.operator("hm.render_picture", icon="RENDER_STILL")
 
 
-CLASSES = (HM_PT_maps, HM_PT_light, HM_PT_edit, *(_class_panel(entry) for entry in classes.TABLE), HM_PT_render)
+CLASSES = (*(_preset_menu(entry) for entry in classes.TABLE), HM_PT_maps, HM_PT_light, HM_PT_edit,
+           *(_class_panel(entry) for entry in classes.TABLE), HM_PT_render)

@@ -4,7 +4,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
 
 from .. import compat
-from ..services import environment, material, relief, render
+from ..services import camera, environment, material, relief, render
 
 SUBSURFACE_ITEMS = (
     ("random_walk_skin", "Random walk for skin", "Least noise, keeps details sharp"),
@@ -32,6 +32,9 @@ def _update_subsurface(self, context):
         found = relief.material_of(item)
         if found:
             material.set_subsurface_scale(found, self.subsurface_scale)
+            shape = item[camera.PROPERTY]
+            pixel_cm = camera.frame_width_cm(shape) / shape["width_px"]
+            material.set_visible_scattering(found, 0 if self.scatter_everywhere else pixel_cm)
             compat.set_subsurface_method(found.node_tree.nodes[material.PRINCIPLED], self.subsurface_method)
 
 
@@ -42,12 +45,18 @@ def _update_pixel_exact(self, context):
             render.set_pixel_exact(context.scene, found, self.pixel_exact)
 
 
+def _update_samples(self, context):
+    if context.scene.render.engine == "CYCLES":
+        context.scene.cycles.samples = self.samples
+        context.scene.cycles.preview_samples = self.preview_samples
+
+
 class HM_PG_scene(bpy.types.PropertyGroup):
     jump_cm: FloatProperty(
-        name="Cut Depth Jumps", default=5.0, min=0.1, soft_max=50, subtype="NONE",
+        name="Depth Cut (cm)", default=5.0, min=0.1, soft_max=50, subtype="NONE",
         description="Depth difference of neighbouring pixels in cm above which the surface is cut")
     rotation_deg: FloatProperty(
-        name="Rotation", default=0.0, soft_min=-180, soft_max=180, update=_update_rotation,
+        name="Rotation (deg)", default=0.0, soft_min=-180, soft_max=180, update=_update_rotation,
         description="Turns the environment about the vertical, in degrees: after 90, light that came from the "
                     "viewer comes from the picture's right")
     strength: FloatProperty(name="Strength", default=1.0, min=0.0, soft_max=5, update=_update_strength,
@@ -57,10 +66,14 @@ class HM_PG_scene(bpy.types.PropertyGroup):
     subsurface_scale: FloatProperty(name="Subsurface Scale", default=1.0, min=0.0, soft_max=5,
                                     update=_update_subsurface,
                                     description="Factor on the subsurface map; 0 turns scattering off")
+    scatter_everywhere: BoolProperty(
+        name="Unseen Too", default=False, update=_update_subsurface,
+        description="Scatter light also where it goes less than half a pixel of the maps: for views from nearer by. "
+                    "It costs noise")
     subsurface_method: EnumProperty(name="Subsurface Method", items=SUBSURFACE_ITEMS, default="random_walk_skin",
                                     update=_update_subsurface)
     point_cm: FloatVectorProperty(
-        name="Position (cm)", size=3, default=(100.0, 220.0, 200.0),
+        name="Position (cm)", size=3, subtype="NONE", default=(100.0, 220.0, 200.0),
         description="Where a new point light goes, in cm: right, up from the ground, towards the viewer")
     point_intensity: FloatProperty(name="Intensity", default=5.0, min=0.0, soft_max=20,
                                    description="Irradiance of a new point light at 1 m")
@@ -68,7 +81,10 @@ class HM_PG_scene(bpy.types.PropertyGroup):
         name="Pixel Exact", default=True, update=_update_pixel_exact,
         description="Each pixel of the picture is one of the maps, for the matched camera at the maps' size. Turn off "
                     "for other views and sizes: then the maps are interpolated")
-    samples: IntProperty(name="Samples", default=64, min=1, soft_max=1024, description="Samples a pixel")
+    samples: IntProperty(name="Final Samples", default=64, min=1, soft_max=1024, update=_update_samples,
+                         description="Samples a pixel of the picture")
+    preview_samples: IntProperty(name="Preview Samples", default=16, min=1, soft_max=256, update=_update_samples,
+                                 description="Samples a pixel in the viewport")
 
 
 CLASSES = (HM_PG_scene,)

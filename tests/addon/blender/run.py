@@ -19,7 +19,8 @@ import bpy  # noqa: E402,F401
 import support  # noqa: E402,F401
 from support import scene  # noqa: E402
 
-DEFAULT = ("test_import", "test_material", "test_light", "test_edit", "test_bad_input", "test_relight")
+DEFAULT = ("test_import", "test_material", "test_light", "test_edit", "test_bad_input", "test_guest",
+           "test_relight")
 
 
 def main(names):

@@ -1,9 +1,8 @@
 """Images are judged before Blender sees them."""
 import os
-import tempfile
 import unittest
 
-from support import image_files
+from support import image_files, temporary_folder
 
 from human_material.services.errors import InputError
 from human_material.services.image_header import read_header
@@ -11,7 +10,7 @@ from human_material.services.image_header import read_header
 
 class ImageHeader(unittest.TestCase):
     def setUp(self):
-        self.path = os.path.join(tempfile.mkdtemp(prefix="hm"), "image")
+        self.path = os.path.join(temporary_folder(self), "image")
 
     def refuse(self, words):
         with self.assertRaises(InputError) as caught:

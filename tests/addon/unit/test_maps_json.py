@@ -3,10 +3,9 @@ import copy
 import json
 import math
 import os
-import tempfile
 import unittest
 
-from support import maps_folder
+from support import maps_folder, temporary_folder
 
 from human_material.services import maps_json
 from human_material.services.errors import InputError
@@ -49,7 +48,7 @@ WRONG = (
 
 class MapsJson(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix="hm")
+        self.folder = temporary_folder(self)
         self.content = maps_folder.write(self.folder, maps_folder.Person(16, 16))
 
     def refuse(self, words):

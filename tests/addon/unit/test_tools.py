@@ -2,10 +2,9 @@
 import os
 import subprocess
 import sys
-import tempfile
 import unittest
 
-from support import ADDON, image_files, maps_folder
+from support import ADDON, image_files, maps_folder, temporary_folder
 
 from human_material.services import maps_json
 
@@ -21,7 +20,7 @@ def run(tool, *arguments):
 
 class WriteMapsJson(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.mkdtemp(prefix="hm")
+        self.folder = temporary_folder(self)
         person = maps_folder.Person(16, 12, maps_folder.ORTHOGRAPHIC)
         maps_folder.write_png(self.folder, person)
         os.remove(os.path.join(self.folder, "maps.json"))
@@ -59,5 +58,5 @@ class SampleToMaps(unittest.TestCase):
 
     def test_bad_input_is_one_line(self):
         for path in ("/nowhere.exr", __file__):
-            done = run("sample_to_maps.py", path, "-o", tempfile.mkdtemp(prefix="hm"))
+            done = run("sample_to_maps.py", path, "-o", temporary_folder(self))
             self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
