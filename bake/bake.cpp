@@ -134,10 +134,8 @@ Jobs map_jobs(SetBake& set, const std::function<void(const MapKind&, Image)>& us
       [=, &set] { use(kind_of(&TextureSet::albedo), set.take_albedo()); },
       [=, &set] { use(kind_of(&TextureSet::normal), set.take_normal()); },
       [=, &set] {
-        constexpr Image TextureSet::*kMaps[3] = {&TextureSet::roughness, &TextureSet::specular,
-                                                 &TextureSet::sss};
-        std::array<Image, 3> maps = set.take_class_maps();
-        for (int i = 0; i < 3; ++i) use(kind_of(kMaps[i]), std::move(maps[i]));
+        auto maps = set.take_class_maps();
+        for (size_t i = 0; i < maps.size(); ++i) use(kind_of(kMaterialMaps[i].texels), std::move(maps[i]));
       },
       [=, &set] { use(kind_of(&TextureSet::alpha), set.take_alpha()); },
   };

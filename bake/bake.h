@@ -53,8 +53,8 @@ struct BakeOptions {
   BakeSource source;  // its scan is null: the scan's own pictures
 };
 
-/// The material at a point from the share of each class there: the mean of specular, roughness and sss
-/// weighted by the shares. The one place where classes become values.
+/// The material at a point from the share of each class there: the mean of each
+/// value weighted by the shares. The one place where classes become values.
 ClassMaterial mix_classes(const MaterialTable& table, const std::array<float, kClassCount>& shares);
 
 /// Bakes a scan into `folder` (give an AtomicFolder's path), one map after the other so that few are in

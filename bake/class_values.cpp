@@ -1,7 +1,8 @@
-// Roughness, specular and sss of a texture set, from the classes of its faces and texels.
+// The maps of a texture set that its classes decide, from those of its faces and texels.
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 
 #include "bake/texture_set_bake.h"
@@ -12,15 +13,12 @@ namespace ohb::bake {
 
 ClassMaterial mix_classes(const MaterialTable& table, const std::array<float, kClassCount>& shares) {
   ClassMaterial mixed;
-  for (int c = 0; c < kClassCount; ++c) {
-    mixed.specular += shares[c] * table[c].specular;
-    mixed.roughness += shares[c] * table[c].roughness;
-    mixed.sss += shares[c] * table[c].sss;
-  }
+  for (int c = 0; c < kClassCount; ++c)
+    for (const MaterialMap& map : kMaterialMaps) mixed.*map.value += shares[c] * table[c].*map.value;
   return mixed;
 }
 
-/// The shares of the classes as `label` wrote them, 4 channels; empty: borders are hard.
+/// The shares of the classes as `label` wrote them, one channel a class; empty: borders are hard.
 Image SetBake::class_shares() const {
   if (class_weights_.empty()) return {};
   const std::vector<ExrPart> parts = read_exr(class_weights_);
@@ -75,7 +73,7 @@ std::array<ClassMaterial, kClassCount> pure_materials(const MaterialTable& table
 
 }  // namespace
 
-/// Roughness, specular and sss as three channels, unpadded.
+/// kMaterialMaps as channels, unpadded.
 Image SetBake::class_values() const {
   constexpr float kLeastSum = 0.5f;  // less: no face was there when the shares were made
   const std::array<ClassMaterial, kClassCount> pure = pure_materials(table_);
@@ -83,7 +81,7 @@ Image SetBake::class_values() const {
   const KnownShares known = known_shares(shares);
   std::optional<surface::Resampler> resampler;
   if (!shares.values.empty()) resampler.emplace(shares, width_px(), height_px(), known.weights);
-  Image values(width_px(), height_px(), 3);
+  Image values(width_px(), height_px(), static_cast<int>(kMaterialMaps.size()));
   tbb::parallel_for(0, height_px(), [&](int y) {
     for (int x = 0; x < width_px(); ++x) {
       const uint32_t owner = coverage_.owner_of(x, y);
@@ -95,16 +93,14 @@ Image SetBake::class_values() const {
       } else if (resampler) {
         std::array<float, kClassCount> here{};
         resampler->texel(x, y, here.data());
-        const float sum = here[0] + here[1] + here[2] + here[3];
+        const float sum = std::accumulate(here.begin(), here.end(), 0.0f);
         if (sum >= kLeastSum) {
           for (float& share : here) share /= sum;
           out = mix_classes(table_, here);
         }
       }
       float* const value = values.pixel(x, y);
-      value[0] = out.roughness;
-      value[1] = out.specular;
-      value[2] = out.sss;
+      for (size_t m = 0; m < kMaterialMaps.size(); ++m) value[m] = out.*kMaterialMaps[m].value;
     }
   });
   return values;

@@ -80,6 +80,13 @@ std::vector<uint8_t> any_of_blocks(const std::vector<uint8_t>& values, int width
   return any;
 }
 
+void report_material(const ScanMaterial& material, SetReport& report) {
+  report.name = material.name;
+  report.diffuse = material.diffuse.file.filename().string();
+  report.alpha = material.alpha.file.filename().string();
+  report.mask_size = mask_size_of(material);
+}
+
 }  // namespace
 
 SetBake::SetBake(const BakeInputs& inputs, uint16_t set, SetReport& report)
@@ -98,10 +105,7 @@ SetBake::SetBake(const BakeInputs& inputs, uint16_t set, SetReport& report)
       from_source_(inputs.source != nullptr) {
   const BakeOptions& options = inputs.options;
   const SourceBake* const source = inputs.source;
-  report.name = material_.name;
-  report.diffuse = material_.diffuse.file.filename().string();
-  report.alpha = material_.alpha.file.filename().string();
-  report.mask_size = mask_size_of(material_);
+  report_material(material_, report);
   const MapSize size = size_of_set(material_, triangles_.index.size(), options.size_px,
                                    source ? source->surface->picture_edge_px() : 0);
   coverage_ = surface::cover_texels(triangles_.uvs, size.width_px, size.height_px);
@@ -341,18 +345,17 @@ Image SetBake::take_normal() {
   return finished(normal(), "normal", has_value_, MapValues::kNormals);
 }
 
-std::array<Image, 3> SetBake::take_class_maps() {
-  constexpr const char* kNames[3] = {"roughness", "specular", "sss"};
-  std::array<Image, 3> maps;
+std::array<Image, kMaterialMaps.size()> SetBake::take_class_maps() {
+  std::array<Image, kMaterialMaps.size()> maps;
   {
     Image values = class_values();
     fill_background(values, has_class_, false);
     for (Image& map : maps) map = Image(width_px(), height_px(), 1);
     tbb::parallel_for(size_t{0}, has_class_.size(), [&](size_t i) {
-      for (int c = 0; c < 3; ++c) maps[c].values[i] = values.values[3 * i + c];
+      for (size_t m = 0; m < maps.size(); ++m) maps[m].values[i] = values.values[maps.size() * i + m];
     });
   }
-  for (int c = 0; c < 3; ++c) finish_seams(maps[c], kNames[c], MapValues::kPlain);
+  for (size_t m = 0; m < maps.size(); ++m) finish_seams(maps[m], kMaterialMaps[m].name, MapValues::kPlain);
   return maps;
 }
 

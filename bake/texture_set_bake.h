@@ -45,7 +45,7 @@ class SetBake {
   Image take_albedo();
   Image take_alpha();
   Image take_normal();
-  std::array<Image, 3> take_class_maps();  // roughness, specular, sss
+  std::array<Image, kMaterialMaps.size()> take_class_maps();
   Image take_displacement();
   Image take_height();         // cm along the low mesh's normal; empty without a source
   Image take_object_normal();  // empty unless wanted

@@ -12,7 +12,7 @@ MAPS            maps folder, or its maps.json (docs/maps_json.md)
                 the picture's right (+X) after 90
 --strength      factor on the environment, default 1
 --point         point light: position in cm (our axes) and irradiance at 1 m; may be repeated
---edit          CLASS is skin, hair, fabric or leather; PRESET a name of data/presets.json or #rrggbb (sRGB), a new
+--edit          CLASS is a name of data/materials.json; PRESET a name of data/presets.json or #rrggbb (sRGB), a new
                 mean colour; may be repeated, later ones win
 --size          width of the picture in pixels; at that of the maps, the default, each pixel of the picture is one of
                 the maps, at others they are interpolated

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dataset/model/model_files.h"
+
 namespace ohb::renderer {
 namespace {
 
@@ -33,15 +35,9 @@ bool is_even(const Image& image) {
 TextureSet halved_set(const TextureSet& set) {
   TextureSet half;
   half.name = set.name;
-  const auto halve = [](const Image& from, Image& to) {
-    if (!from.values.empty()) to = halved(from);
-  };
-  halve(set.albedo, half.albedo);
-  halve(set.alpha, half.alpha);
-  halve(set.normal, half.normal);
-  halve(set.roughness, half.roughness);
-  halve(set.specular, half.specular);
-  halve(set.sss, half.sss);
+  for (const MapKind& kind : kMapKinds)
+    if (kind.image != &TextureSet::displacement && !(set.*kind.image).values.empty())
+      half.*kind.image = halved(set.*kind.image);
   return half;
 }
 

@@ -11,7 +11,8 @@ namespace {
 struct PixelSums {
   float weight = 0;
   Vec3f normal, albedo;
-  float roughness = 0, specular = 0, sss = 0, displacement = 0;
+  std::array<float, kMaterialMaps.size()> materials{};
+  float displacement = 0;
   float classes[kClassCount] = {};
 };
 
@@ -27,9 +28,7 @@ void add_layer(const Look& look, const Ray& ray, const Hit& hit, float weight, P
   sums.weight += weight;
   sums.normal += weight * look.view.to_camera(point.n);
   sums.albedo += weight * point.texel.albedo;
-  sums.roughness += weight * point.texel.roughness;
-  sums.specular += weight * point.texel.specular;
-  sums.sss += weight * point.texel.sss;
+  for (size_t m = 0; m < kTexelValues.size(); ++m) sums.materials[m] += weight * point.texel.*kTexelValues[m];
   sums.displacement += weight * turn_about_y(point.position, look.turn_rad).z;
   if (point.material_class < kClassCount) sums.classes[point.material_class] += weight;
 }
@@ -62,9 +61,8 @@ void store(const PixelSums& sums, int points, int x, int y, Sample& sample) {
   float* normal = sample.normal.pixel(x, y);
   float* diffuse = sample.diffuse.pixel(x, y);
   for (int c = 0; c < 3; ++c) normal[c] = n[c], diffuse[c] = albedo[c];
-  *sample.roughness.pixel(x, y) = sums.roughness * scale;
-  *sample.specular.pixel(x, y) = sums.specular * scale;
-  *sample.sss.pixel(x, y) = sums.sss * scale;
+  for (size_t m = 0; m < kMaterialMaps.size(); ++m)
+    *(sample.*kMaterialMaps[m].pixels).pixel(x, y) = sums.materials[m] * scale;
   *sample.displacement.pixel(x, y) = sums.displacement * scale;
   for (int c = 0; c < kClassCount; ++c) sample.classes.pixel(x, y)[c] = sums.classes[c] * scale;
 }
@@ -75,10 +73,8 @@ Sample render_maps(const Scene& scene, const Camera& camera, double turn_rad, co
                    const PixelsDone& done) {
   const int n = settings.size_px, grid = settings.map_grid;
   Sample sample;
-  for (Image* image : {&sample.mask, &sample.roughness, &sample.specular, &sample.sss, &sample.displacement})
-    *image = Image(n, n, 1);
-  sample.normal = sample.diffuse = Image(n, n, 3);
-  sample.classes = Image(n, n, kClassCount);
+  for (const SampleMap& map : sample_maps())
+    sample.*map.image = Image(n, n, static_cast<int>(map.channels.size()));
   const Look look{scene, ViewCamera(camera, turn_rad, n), turn_rad};
   const std::vector<uint8_t> seen = footprint(scene, look.view, n);
   parallel_for_each(0, n, [&](int y) {

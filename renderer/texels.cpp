@@ -41,10 +41,13 @@ Texels::Texels(const TextureSet& set)
       uint16_t* v = surface_[i].values;
       for (size_t c = 0; c < 3; ++c) v[c] = to_half(set.albedo.values[3 * i + c]);
       v[3] = to_half(has_alpha_ ? set.alpha.values[i] : 1.0f);
-      v[4] = to_half(set.roughness.values[i]);
-      v[5] = to_half(set.specular.values[i]);
-      v[6] = to_half(scattering_of(set.sss.values[i]));
-      v[7] = 0;
+      for (size_t m = 0; m < 4; ++m) v[4 + m] = 0;
+      for (size_t m = 0; m < kMaterialMaps.size(); ++m) {
+        const std::vector<float>& values = (set.*kMaterialMaps[m].texels).values;
+        if (values.empty()) continue;
+        const bool is_sss = kMaterialMaps[m].texels == &TextureSet::sss;
+        v[4 + m] = to_half(is_sss ? scattering_of(values[i]) : values[i]);
+      }
       if (normals_)
         normals_[i] = {to_half(set.normal.values[3 * i]), to_half(set.normal.values[3 * i + 1]),
                        to_half(set.normal.values[3 * i + 2]), 0};

@@ -12,7 +12,7 @@
 #include <immintrin.h>
 #endif
 
-#include "dataset/model/model.h"
+#include "dataset/model/map_table.h"
 
 namespace ohb::renderer {
 
@@ -24,6 +24,10 @@ struct SurfaceTexel {
   float specular = 0;  // S, encoded
   float sss = 0;
 };
+
+/// Where a SurfaceTexel holds each of kMaterialMaps.
+constexpr std::array<float SurfaceTexel::*, kMaterialMaps.size()> kTexelValues = {
+    &SurfaceTexel::roughness, &SurfaceTexel::specular, &SurfaceTexel::sss};
 
 struct FreeArray {
   void operator()(void* memory) const { std::free(memory); }
@@ -41,7 +45,9 @@ class Texels {
     const Tap tap = locate(uv);
     float v[8] = {};
     for (int i = 0; i < 4; ++i) accumulate(surface_[tap.index[i]], tap.weight[i], v);
-    return {{v[0], v[1], v[2]}, v[3], v[4], v[5], v[6]};
+    SurfaceTexel texel{{v[0], v[1], v[2]}, v[3]};
+    for (size_t m = 0; m < kTexelValues.size(); ++m) texel.*kTexelValues[m] = v[4 + m];
+    return texel;
   }
   float alpha(Vec2f uv) const {
     const Tap tap = locate(uv);
@@ -72,8 +78,9 @@ class Texels {
 
  private:
   struct alignas(16) HalfRecord {
-    uint16_t values[8];  // albedo RGB, alpha, roughness, specular, sss, unused
+    uint16_t values[8];  // albedo RGB, alpha, kMaterialMaps, unused ones 0
   };
+  static_assert(4 + kMaterialMaps.size() <= 8, "a record is one load of eight halves");
   struct HalfNormal {
     uint16_t x, y, z, unused;
   };

@@ -10,10 +10,11 @@ import json
 import os
 import shutil
 import sys
+from collections import defaultdict
 from pathlib import Path
 
 # As in the previews that `label` writes.
-CLASS_COLOURS = {"skin": "#edad8c", "hair": "#73401f", "fabric": "#4582c9", "leather": "#d94038"}
+CLASS_COLOURS = defaultdict(lambda: "#888888", skin="#edad8c", hair="#73401f", fabric="#4582c9", leather="#d94038")
 MAPS = ("normal", "diffuse", "roughness", "specular", "sss", "displacement")
 STYLE = """
 body{font:16px/1.5 system-ui,sans-serif;max-width:1180px;margin:2rem auto;padding:0 1rem;color:#222;background:#fff}
@@ -84,7 +85,7 @@ def read_json(path):
 
 def add_regions(page):
     report = read_json(page.out / "regions" / "report.json")
-    page.heading("1. Regions", "Each face of the scan belongs to one of four classes. The picture shows them in the layout of "
+    page.heading("1. Regions", "Each face of the scan belongs to one class of material. The picture shows them in the layout of "
                  f"the scan's own picture. Files: {page.link('regions/report.txt')}, {page.link('regions/faces.txt')}.")
     rows = [(Markup(f'<span class="chip" style="background:{CLASS_COLOURS[name]}"></span>{html.escape(name)}'),
              f"{c['faces']:,}", f"{100 * c['area_share']:.1f} %") for name, c in report["classes"].items()]

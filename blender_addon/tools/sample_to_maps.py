@@ -13,7 +13,7 @@ import sys
 
 sys.dont_write_bytecode = True  # the folder may be an installed one
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from human_material.services import image_header, maps_json  # noqa: E402
+from human_material.services import classes, image_header, maps_json  # noqa: E402
 from human_material.services.errors import InputError  # noqa: E402
 
 #: map -> (channels of the part in the map's order, names in the file, encoding)
@@ -25,7 +25,7 @@ PARTS = {
     "specular": ("Y", "Y", "srgb_f0"),
     "sss": ("Y", "Y", "value"),
     "displacement": ("Y", "Y", "signed_cm"),
-    "classes": ("hair,fabric,leather", "R,G,B", "shares"),
+    "classes": (",".join(classes.NAMES[1:]), ",".join("RGBA"[:len(classes.NAMES) - 1]), "shares"),
 }
 LIGHT = "relit."
 

@@ -89,9 +89,9 @@ void write_weights(const std::filesystem::path& file, const Scan& scan,
 }  // namespace
 
 Vec3f class_colour(uint8_t material_class) {
-  constexpr Vec3f kColours[kClassCount] = {
-      {0.93f, 0.68f, 0.55f}, {0.45f, 0.25f, 0.12f}, {0.27f, 0.51f, 0.79f}, {0.85f, 0.25f, 0.22f}};
-  return material_class < kClassCount ? kColours[material_class] : Vec3f{0.15f, 0.15f, 0.15f};
+  if (material_class >= kClassCount) return {0.15f, 0.15f, 0.15f};
+  const std::array<float, 3>& colour = kClassColours[material_class];
+  return {colour[0], colour[1], colour[2]};
 }
 
 std::vector<std::string> write_class_maps(const std::filesystem::path& folder, const Scan& scan,

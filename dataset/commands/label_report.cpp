@@ -41,7 +41,8 @@ nlohmann::ordered_json truth_json(const TruthComparison& truth) {
   for (int c = 0; c < kClassCount; ++c)
     json["iou"][kClassNames[c]] = truth.iou[c] ? nlohmann::ordered_json(*truth.iou[c]) : nullptr;
   json["confusion"] = truth.confusion;
-  json["confusion_columns"] = {"skin", "hair", "fabric", "leather", "unlabelled"};
+  json["confusion_columns"] = kClassNames;
+  json["confusion_columns"].push_back("unlabelled");
   return json;
 }
 
@@ -123,12 +124,14 @@ std::string borders_text(const labelling::TexelLabels::Summary& borders) {
 std::string truth_text(const TruthComparison& truth) {
   std::string text = fmt::format("against the truth: accuracy {:.2f} % of the area, mean IoU {:.3f}\n",
                                  100 * truth.accuracy, truth.mean_iou);
-  text += fmt::format("  {:<18}{:>8}{:>8}{:>8}{:>8}{:>12}{:>8}\n", "% of area, true:", "skin", "hair",
-                      "fabric", "leather", "unlabelled", "IoU");
+  text += fmt::format("  {:<18}", "% of area, true:");
+  for (const char* name : kClassNames) text += fmt::format("{:>8}", name);
+  text += fmt::format("{:>12}{:>8}\n", "unlabelled", "IoU");
   for (int c = 0; c < kClassCount; ++c) {
     const auto& row = truth.confusion[c];
-    text += fmt::format("  {:<18}{:>8.2f}{:>8.2f}{:>8.2f}{:>8.2f}{:>12.2f}{:>8}\n", kClassNames[c],
-                        100 * row[0], 100 * row[1], 100 * row[2], 100 * row[3], 100 * row[4],
+    text += fmt::format("  {:<18}", kClassNames[c]);
+    for (int other = 0; other < kClassCount; ++other) text += fmt::format("{:>8.2f}", 100 * row[other]);
+    text += fmt::format("{:>12.2f}{:>8}\n", 100 * row[kClassCount],
                         truth.iou[c] ? fmt::format("{:.3f}", *truth.iou[c]) : "-");
   }
   return text;

@@ -68,8 +68,7 @@ MaterialClass read_class(const XmlDocument& xml, pugi::xml_node node, const char
   const std::string name = xml.text(node, attribute);
   const MaterialClass material_class = class_from_name(name);
   if (material_class == kUnlabelled)
-    throw xml.error(node, std::string(attribute) + "=\"" + name + "\" is no class",
-                    "use skin, hair, fabric or leather");
+    throw xml.error(node, std::string(attribute) + "=\"" + name + "\" is no class", "use " + class_list());
   return material_class;
 }
 

@@ -124,7 +124,7 @@ class Session {
     const std::string name = text_of(request, "class");
     stroke.material_class = class_from_name(name);
     if (stroke.material_class == kUnlabelled)
-      throw request_error("\"" + name + "\" is no class", "use skin, hair, fabric or leather");
+      throw request_error("\"" + name + "\" is no class", "use " + class_list());
     stroke.radius_cm = number_of(member(request, "radius_cm"), "radius_cm");
     // Each is later than the one before: this order is what counts.
     stroke.time_s = strokes_.strokes.empty() ? 0 : strokes_.strokes.back().time_s + 1;

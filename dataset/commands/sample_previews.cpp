@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "dataset/model/colour.h"
+#include "dataset/model/map_table.h"
 
 namespace ohb::commands {
 namespace {
@@ -43,16 +44,12 @@ void write_previews(const std::filesystem::path& folder, const std::string& stem
   const auto write = [&](const std::string& part, const Image& image) {
     write_png(folder / (stem + "." + part + ".png"), image);
   };
-  const auto plain = [](float v) { return v; };
   const float range_cm = displacement_range_cm(sample);
   write("mask", sample.mask);
-  write("normal", encoded(sample.normal, sample.mask, [](float v) { return 0.5f + 0.5f * v; }));
-  write("diffuse", srgb_with_alpha(sample.diffuse, sample.mask, false));
-  write("roughness", encoded(sample.roughness, sample.mask, plain));
-  write("specular", encoded(sample.specular, sample.mask, plain));
-  write("sss", encoded(sample.sss, sample.mask, plain));
-  write("displacement",
-        encoded(sample.displacement, sample.mask, [&](float v) { return 0.5f + 0.5f * v / range_cm; }));
+  for (const SampleMap& map : sample_maps())
+    if (map.image != &Sample::mask && map.png != PngEncoding::kNone)
+      write(map.name, encoded(sample.*map.image, sample.mask,
+                              [&](float v) { return png_value(map.png, v, range_cm); }));
   for (const SampleLight& light : sample.lights)
     write("relit." + light.name, srgb_with_alpha(light.radiance, sample.mask, true));
 }

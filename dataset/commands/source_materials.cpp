@@ -8,6 +8,7 @@
 
 #include "dataset/model/colour.h"
 #include "dataset/model/error.h"
+#include "dataset/model/map_table.h"
 #include "dataset/surface/picture.h"
 #include "dataset/surface/vertex_colours.h"
 
@@ -162,26 +163,22 @@ void set_class_values(TextureSet& set, const ClassMaterial& value) {
     std::fill(image.values.begin(), image.values.end(), v);
     return image;
   };
-  set.roughness = constant(value.roughness);
-  set.specular = constant(value.specular);
-  set.sss = constant(value.sss);
+  for (const MaterialMap& map : kMaterialMaps) set.*map.texels = constant(value.*map.value);
 }
 
 /// Where the shares know a class: the values mixed by them. Elsewhere what set_class_values put there stays.
 void mix_class_values(TextureSet& set, const Image& shares, const MaterialTable& table) {
   for (size_t i = 0; i < set.roughness.values.size(); ++i) {
-    double mixed[3] = {}, sum = 0;
+    std::array<double, kMaterialMaps.size()> mixed{};
+    double sum = 0;
     for (size_t c = 0; c < kClassCount; ++c) {
       const double share = shares.values[kClassCount * i + c];
       sum += share;
-      mixed[0] += share * table[c].roughness;
-      mixed[1] += share * table[c].specular;
-      mixed[2] += share * table[c].sss;
+      for (size_t m = 0; m < mixed.size(); ++m) mixed[m] += share * table[c].*kMaterialMaps[m].value;
     }
     if (!(sum > 0)) continue;
-    set.roughness.values[i] = static_cast<float>(mixed[0] / sum);
-    set.specular.values[i] = static_cast<float>(mixed[1] / sum);
-    set.sss.values[i] = static_cast<float>(mixed[2] / sum);
+    for (size_t m = 0; m < mixed.size(); ++m)
+      (set.*kMaterialMaps[m].texels).values[i] = static_cast<float>(mixed[m] / sum);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <map>
 
 #include "dataset/exports/forms.h"
+#include "dataset/model/regions.h"
 
 namespace ohb::exports {
 namespace {
@@ -38,9 +39,8 @@ std::string card_text(const SampleIndex& index, const std::vector<std::vector<st
                                  index.people.size(), index.samples.size(), sets_of_light.size());
   text +=
       "Each set: a mask, six maps (normal, diffuse albedo, roughness, specular albedo, subsurface, "
-      "displacement), shares "
-      "of four classes (skin, hair, fabric, leather) and lit pictures. Made by openhumanbrdf " OHB_VERSION
-      ".\n\n";
+      "displacement), shares of the classes (" +
+      class_list(", ", ", ") + ") and lit pictures. Made by openhumanbrdf " OHB_VERSION ".\n\n";
   text += "![one picture a person](contact_sheet.png)\n\n";
   text += "## Splits\n\n" + table_of("split", "people", people_of_split) +
           table_of("split", "sets", sets_of_split);

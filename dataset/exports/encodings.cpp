@@ -1,11 +1,13 @@
 #include "dataset/exports/encodings.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
-#include "dataset/model/colour.h"
 #include "dataset/model/error.h"
+#include "dataset/model/map_table.h"
 
 namespace ohb::exports {
 namespace {
@@ -18,10 +20,6 @@ Image encoded(const Image& image, const Image& mask, const Encode& encode) {
   for (size_t i = 0; i < out.values.size(); ++i)
     if (mask.values[i / channels] > 0) out.values[i] = std::clamp(encode(image.values[i]), 0.0f, 1.0f);
   return out;
-}
-
-float srgb(float v) {
-  return linear_to_srgb(std::clamp(v, 0.0f, 1.0f));
 }
 
 }  // namespace
@@ -40,31 +38,29 @@ std::vector<EncodedMap> encoded_maps(const Sample& sample, const std::string& fi
   for (const SampleLight& light : sample.lights)
     if (light.name.empty() || light.name.find('/') != std::string::npos)
       throw InputError(file, "light '" + light.name + "'", "names no file", "render the sample again");
-  const auto plain = [](float v) { return v; };
-  std::vector<EncodedMap> maps = {
-      {"mask", sample.mask},
-      {"normal", encoded(sample.normal, sample.mask, [](float v) { return 0.5f + 0.5f * v; })},
-      {"diffuse", encoded(sample.diffuse, sample.mask, srgb)},
-      {"roughness", encoded(sample.roughness, sample.mask, plain)},
-      {"specular", encoded(sample.specular, sample.mask, plain)},
-      {"sss", encoded(sample.sss, sample.mask, plain)},
-      {"displacement",
-       encoded(sample.displacement, sample.mask, [&](float v) { return 0.5f + 0.5f * v / range_cm; })}};
+  std::vector<EncodedMap> maps = {{"mask", sample.mask}};
+  const auto add = [&](const std::string& name, const Image& image, PngEncoding png) {
+    maps.push_back({name, encoded(image, sample.mask, [&](float v) { return png_value(png, v, range_cm); })});
+  };
+  for (const SampleMap& map : sample_maps())
+    if (map.image != &Sample::mask && map.png != PngEncoding::kNone)
+      add(map.name, sample.*map.image, map.png);
   for (const SampleLight& light : sample.lights)
-    maps.push_back({"relit_" + light.name, encoded(light.radiance, sample.mask, srgb)});
+    add("relit_" + light.name, light.radiance, PngEncoding::kSrgb);
   return maps;
 }
 
 std::string encodings_text(int bits) {
   const std::string most = std::to_string((1 << bits) - 1);
+  std::string materials;
+  for (const MaterialMap& map : kMaterialMaps)
+    materials += fmt::format("| `{0}.png` | {0} = v: {1} |\n", map.name, map.rule);
   return "| file | value v = stored / " + most +
          " |\n|---|---|\n"
          "| `mask.png` | coverage of the pixel |\n"
          "| `normal.png` | n = 2 v - 1, camera space: red +X right, green +Y up, blue +Z to the viewer |\n"
-         "| `diffuse.png` | sRGB-encoded albedo: linear = srgb_to_linear(v) |\n"
-         "| `roughness.png` | perceptual roughness; GGX alpha = v squared |\n"
-         "| `specular.png` | S = v: F0 = srgb_to_linear(v) |\n"
-         "| `sss.png` | subsurface weight; scattering radius = v x (1.0, 0.2, 0.1) cm |\n"
+         "| `diffuse.png` | sRGB-encoded albedo: linear = srgb_to_linear(v) |\n" +
+         materials +
          "| `displacement.png` | cm from the plane z = 0, positive towards the camera: d = (2 v - 1) r, r is "
          "`displacement_range_cm` in `sample.json` |\n"
          "| `relit_<light>.png` | sRGB-encoded radiance, clipped at 1, premultiplied by the mask |\n\n"

@@ -115,7 +115,9 @@ std::vector<GarmentQuestion> open_questions(const Garments& garments,
   std::vector<GarmentQuestion> questions;
   for (size_t g = 0; g < classes.size(); ++g) {
     GarmentQuestion question;
-    std::array<uint8_t, kClassCount> order = {kFabric, kLeather, kHair, kSkin};
+    std::array<uint8_t, kClassCount> order;  // garments' classes first, then hair and skin
+    for (int c = 0; c < kClassCount; ++c)
+      order[c] = static_cast<uint8_t>(c + kFabric < kClassCount ? c + kFabric : kClassCount - 1 - c);
     std::stable_sort(order.begin(), order.end(),
                      [&](uint8_t l, uint8_t r) { return classes[g][l] > classes[g][r]; });
     question.name = garments.garments[g].name;

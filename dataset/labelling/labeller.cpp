@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "dataset/labelling/class_pairs.h"
 #include "dataset/labelling/enclosed_patches.h"
 
 namespace ohb::labelling {
@@ -29,9 +30,6 @@ constexpr float kSureShare = 0.5f;  // faces below are not what their class look
 
 /// What garment a crumb is of is not known.
 constexpr ClassValues kElsewhere = {0, 0, 0.9f, 0.1f};
-/// A metric: hair borders skin softly, leather and hair hardly ever meet.
-constexpr std::array<std::array<float, kClassCount>, kClassCount> kClassDistance = {
-    {{0, 0.8f, 1, 1}, {0.8f, 0, 1, 1.5f}, {1, 1, 0, 0.7f}, {1, 1.5f, 0.7f, 0}}};
 
 LabelModel model_with(float leather_share) {
   LabelModel model = installed_label_model();
@@ -135,7 +133,7 @@ std::vector<float> Labeller::reach_weights() const {
   for (size_t s = 0; s < reaches_.size(); ++s) {
     float share = 0;
     for (uint32_t f : reaches_[s].covered) {
-      const float all = votes[f][0] + votes[f][1] + votes[f][2] + votes[f][3];
+      const float all = std::accumulate(votes[f].begin(), votes[f].end(), 0.0f);
       if (all > 0) share += features_.graph.area_cm2[f] * votes[f][reaches_[s].stroke.material_class] / all;
     }
     weight[s] *= area_cm2[s] > 0 ? share / area_cm2[s] : 0;

@@ -5,13 +5,9 @@
 #include <vector>
 
 #include "dataset/labelling/border_distance.h"
+#include "dataset/labelling/class_pairs.h"
 
 namespace ohb::labelling {
-
-/// Width in cm of the border of each pair of classes, from where one is alone to where the other is: hair
-/// thins out over 8 mm of skin and lies 3 mm over clothes; a hem is 0.8 mm.
-constexpr std::array<std::array<float, kClassCount>, kClassCount> kBorderWidth_cm = {
-    {{0, 0.8f, 0.08f, 0.08f}, {0.8f, 0, 0.3f, 0.3f}, {0.08f, 0.3f, 0, 0.08f}, {0.08f, 0.3f, 0.08f, 0}}};
 
 class SoftBorders {
  public:

@@ -40,7 +40,7 @@ Stroke read_stroke(const XmlDocument& xml, pugi::xml_node node) {
   const std::string name = xml.text(node, "class");
   stroke.material_class = class_from_name(name);
   if (stroke.material_class == kUnlabelled)
-    throw xml.error(node, "class=\"" + name + "\" is no class", "use skin, hair, fabric or leather");
+    throw xml.error(node, "class=\"" + name + "\" is no class", "use " + class_list());
   stroke.radius_cm = xml.number(node, "radius_cm", 0, kMaxStrokeRadius_cm);
   stroke.time_s = xml.number(node, "time_s", 0, kMaxTime_s);
   for (const pugi::xml_node& point : node.children("point")) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 
+#include "dataset/labelling/class_pairs.h"
 #include "dataset/labelling/texel_colours.h"
 #include "dataset/labelling/texel_surface.h"
 
@@ -20,8 +21,6 @@ constexpr float kFloor = 0.01f;  // least probability
 constexpr float kNever = 1e4f;   // cost of a class that a texel cannot have
 constexpr float kLeastDifference = 2, kLeastLikeness = 0.2f;
 constexpr int kSureStride = 3;  // of the texels beyond the band whose colours are gathered
-constexpr std::array<std::array<float, kClassCount>, kClassCount> kAlikeDistances = {
-    {{0, 1, 1, 1}, {1, 0, 1, 1}, {1, 1, 0, 1}, {1, 1, 1, 0}}};
 
 struct Node {
   SurfaceTexel texel;
@@ -174,7 +173,7 @@ class TexelSolve {
 
   LabelEnergy energy_of_texels() const {
     LabelEnergy energy;
-    energy.distance = kAlikeDistances;
+    energy.distance = alike_distances();
     energy.cost.resize(nodes_.size());
     tbb::parallel_for(size_t{0}, nodes_.size(), [&](size_t n) {
       const Node& node = nodes_[n];

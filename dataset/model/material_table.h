@@ -29,4 +29,8 @@ MaterialTable read_material_table(const std::filesystem::path& file);
 /// The same from an element of another file, of the form of materials.xml's root.
 MaterialTable read_material_table(const XmlDocument& xml, pugi::xml_node parent);
 
+/// Appends <material class="skin" specular=... roughness=... sss=.../>, one a class, in the order of
+/// kClassNames.
+void append_materials(pugi::xml_node parent, const MaterialTable& table);
+
 }  // namespace ohb

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "dataset/model/map_table.h"
 #include "dataset/model/model.h"
 
 namespace ohb {
@@ -18,16 +19,19 @@ struct MapKind {
   bool is_optional;  // an empty image has a meaning
 };
 
+constexpr auto map_kinds() {
+  std::array<MapKind, 4 + kMaterialMaps.size()> kinds{};
+  size_t i = 0;
+  kinds[i++] = {"albedo", &TextureSet::albedo, 3, false, false};
+  kinds[i++] = {"alpha", &TextureSet::alpha, 1, false, true};
+  kinds[i++] = {"normal", &TextureSet::normal, 3, false, true};
+  for (const MaterialMap& map : kMaterialMaps) kinds[i++] = {map.name, map.texels, 1, false, false};
+  kinds[i] = {"displacement", &TextureSet::displacement, 1, true, false};
+  return kinds;
+}
+
 /// All maps that are EXR, in the order of model.xml.
-constexpr std::array<MapKind, 7> kMapKinds = {{
-    {"albedo", &TextureSet::albedo, 3, false, false},
-    {"alpha", &TextureSet::alpha, 1, false, true},
-    {"normal", &TextureSet::normal, 3, false, true},
-    {"roughness", &TextureSet::roughness, 1, false, false},
-    {"specular", &TextureSet::specular, 1, false, false},
-    {"sss", &TextureSet::sss, 1, false, false},
-    {"displacement", &TextureSet::displacement, 1, true, false},
-}};
+constexpr auto kMapKinds = map_kinds();
 
 /// What model.xml says about a set.
 struct TextureSetEntry {

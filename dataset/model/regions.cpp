@@ -35,18 +35,24 @@ std::string regions_xml(const Regions& regions) {
 
 /// The class that each index means. Throws InputError for a name that is none of ours.
 std::vector<uint8_t> meanings(const fs::path& file, const std::vector<std::string>& classes) {
-  if (classes.empty()) return {kSkin, kHair, kFabric, kLeather};
   std::vector<uint8_t> meaning;
+  for (uint8_t c = 0; c < kClassCount && classes.empty(); ++c) meaning.push_back(c);
   for (const std::string& name : classes) {
     meaning.push_back(class_from_name(name));
     if (meaning.back() == kUnlabelled && name != "unlabelled")
       throw InputError(file.string(), "classes", "'" + name + "' is not known",
-                       "use skin, hair, fabric, leather or unlabelled");
+                       "use " + class_list(", ", ", ") + " or unlabelled");
   }
   return meaning;
 }
 
 }  // namespace
+
+std::string class_list(const std::string& between, const std::string& last) {
+  std::string text = kClassNames[0];
+  for (int c = 1; c < kClassCount; ++c) text += (c + 1 < kClassCount ? between : last) + kClassNames[c];
+  return text;
+}
 
 MaterialClass class_from_name(const std::string& name) {
   for (int c = 0; c < kClassCount; ++c)

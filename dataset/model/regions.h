@@ -1,4 +1,4 @@
-// The four material classes and a scan's class of each face.
+// The material classes and a scan's class of each face.
 #pragma once
 
 #include <array>
@@ -12,6 +12,12 @@ namespace ohb {
 enum MaterialClass : uint8_t { kSkin = 0, kHair = 1, kFabric = 2, kLeather = 3, kUnlabelled = 255 };
 constexpr int kClassCount = 4;
 constexpr std::array<const char*, kClassCount> kClassNames = {"skin", "hair", "fabric", "leather"};
+/// As pictures of the classes show them, linear.
+constexpr std::array<std::array<float, 3>, kClassCount> kClassColours = {
+    {{0.93f, 0.68f, 0.55f}, {0.45f, 0.25f, 0.12f}, {0.27f, 0.51f, 0.79f}, {0.85f, 0.25f, 0.22f}}};
+
+/// "skin, hair, fabric or leather".
+std::string class_list(const std::string& between = ", ", const std::string& last = " or ");
 
 /// The class of that name, or kUnlabelled if there is none.
 MaterialClass class_from_name(const std::string& name);

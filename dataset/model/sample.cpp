@@ -7,35 +7,12 @@
 #include <cmath>
 
 #include "dataset/model/error.h"
+#include "dataset/model/map_table.h"
 
 namespace ohb {
 namespace {
 
 constexpr const char* kLightPrefix = "relit.";
-
-using Type = ExrPart::Type;
-
-struct MapPart {
-  const char* name;
-  Image Sample::*image;
-  std::vector<std::string> channels;
-  Type type;
-};
-
-// The one list of the parts before the lights, in file order.
-const std::vector<MapPart>& map_parts() {
-  static const std::vector<MapPart> parts = {
-      {"mask", &Sample::mask, {"A"}, Type::kHalf},
-      {"normal", &Sample::normal, {"X", "Y", "Z"}, Type::kFloat},
-      {"diffuse", &Sample::diffuse, {"R", "G", "B"}, Type::kHalf},
-      {"roughness", &Sample::roughness, {"Y"}, Type::kHalf},
-      {"specular", &Sample::specular, {"Y"}, Type::kHalf},
-      {"sss", &Sample::sss, {"Y"}, Type::kHalf},
-      {"displacement", &Sample::displacement, {"Y"}, Type::kFloat},
-      {"classes", &Sample::classes, {"skin", "hair", "fabric", "leather"}, Type::kHalf},
-  };
-  return parts;
-}
 
 // OpenEXR stores channels by name; they are read back in that order, not in the order of writing.
 Image in_channel_order(const ExrPart& part, const std::vector<std::string>& channels,
@@ -75,10 +52,10 @@ void check(const Image& image, const Image& mask, const std::string& part, const
 
 void write_sample(const std::filesystem::path& file, const Sample& sample) {
   std::vector<ExrPart> parts;
-  for (const MapPart& part : map_parts())
-    parts.push_back({part.name, part.channels, part.type, sample.*part.image});
+  for (const SampleMap& map : sample_maps())
+    parts.push_back({map.name, map.channels, map.type, sample.*map.image});
   for (const SampleLight& light : sample.lights)
-    parts.push_back({kLightPrefix + light.name, {"R", "G", "B"}, Type::kHalf, light.radiance});
+    parts.push_back({kLightPrefix + light.name, {"R", "G", "B"}, ExrPart::Type::kHalf, light.radiance});
   write_exr(file, parts, sample.attributes);
 }
 
@@ -86,9 +63,9 @@ Sample read_sample(const std::filesystem::path& file) {
   Sample sample;
   ExrAttributes attributes;
   const std::vector<ExrPart> parts = read_exr(file, &attributes);
-  for (const MapPart& part : map_parts()) {
-    sample.*part.image = in_channel_order(find_part(parts, part.name, file), part.channels, file.string());
-    check(sample.*part.image, sample.mask, part.name, file.string());
+  for (const SampleMap& map : sample_maps()) {
+    sample.*map.image = in_channel_order(find_part(parts, map.name, file), map.channels, file.string());
+    check(sample.*map.image, sample.mask, map.name, file.string());
   }
   for (const ExrPart& part : parts) {
     if (part.name.rfind(kLightPrefix, 0) != 0) continue;

@@ -32,8 +32,7 @@ struct Sample {
   ExrAttributes attributes;
 };
 
-/// Parts: mask, normal, diffuse, roughness, specular, sss, displacement, classes, relit.<light>...
-/// normal and displacement are float, the rest half. Equal samples give equal bytes.
+/// Parts: sample_maps() (map_table.h), relit.<light>... in half. Equal samples give equal bytes.
 void write_sample(const std::filesystem::path& file, const Sample& sample);
 
 /// Its attributes alone, from the header: a small part of the time. Throws InputError if that cannot be read.

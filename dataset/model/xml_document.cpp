@@ -109,7 +109,7 @@ uint64_t XmlDocument::count(pugi::xml_node node, const char* attribute, uint64_t
   return number;
 }
 
-void XmlDocument::expect_attributes(pugi::xml_node node, std::initializer_list<const char*> names) const {
+void XmlDocument::expect_attributes(pugi::xml_node node, const std::vector<std::string>& names) const {
   std::vector<std::string> seen;
   for (const pugi::xml_attribute& attribute : node.attributes()) {
     const std::string name = attribute.name();
@@ -122,7 +122,7 @@ void XmlDocument::expect_attributes(pugi::xml_node node, std::initializer_list<c
   }
 }
 
-void XmlDocument::expect_children(pugi::xml_node node, std::initializer_list<const char*> names) const {
+void XmlDocument::expect_children(pugi::xml_node node, const std::vector<std::string>& names) const {
   for (const pugi::xml_node& child : node.children())
     if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata)
       throw error(child, "text inside <" + std::string(node.name()) + ">, where none belongs", "remove it");

@@ -35,9 +35,9 @@ class XmlDocument {
   /// An integer in [0, high]. Throws InputError.
   uint64_t count(pugi::xml_node node, const char* attribute, uint64_t high) const;
   /// Throws InputError for an attribute that occurs twice or is not in `names`.
-  void expect_attributes(pugi::xml_node node, std::initializer_list<const char*> names) const;
+  void expect_attributes(pugi::xml_node node, const std::vector<std::string>& names) const;
   /// Throws InputError for a child element that is not in `names`, and for text between the elements.
-  void expect_children(pugi::xml_node node, std::initializer_list<const char*> names) const;
+  void expect_children(pugi::xml_node node, const std::vector<std::string>& names) const;
 
   /// To throw: "file: line 12: cause; mend".
   InputError error(pugi::xml_node node, const std::string& cause, const std::string& mend) const;

@@ -17,18 +17,6 @@ namespace ohb::production {
 namespace fs = std::filesystem;
 namespace {
 
-void append_materials(pugi::xml_node parent, const MaterialTable& table) {
-  pugi::xml_node node = parent.append_child("materials");
-  for (int c = 0; c < kClassCount; ++c) {
-    const ClassMaterial& material = table[static_cast<size_t>(c)];
-    pugi::xml_node child = node.append_child("material");
-    child.append_attribute("class") = kClassNames[static_cast<size_t>(c)];
-    child.append_attribute("specular") = shortest(material.specular).c_str();
-    child.append_attribute("roughness") = shortest(material.roughness).c_str();
-    child.append_attribute("sss") = shortest(material.sss).c_str();
-  }
-}
-
 void append_environments(pugi::xml_node parent, const Plan& plan, FileHashes& hashes) {
   pugi::xml_node node = parent.append_child("environments");
   for (const PlanEnvironment* environment : drawn_environments(plan)) {
@@ -103,7 +91,7 @@ void write_manifest(const Plan& plan, const Layout& layout, FileHashes& environm
   root.append_attribute("plan_sha256") = plan.sha256.c_str();
   root.append_attribute("seed") = static_cast<unsigned long long>(plan.seed);
   append_conventions(root);
-  append_materials(root, plan.materials);
+  append_materials(root.append_child("materials"), plan.materials);
   append_environments(root, plan, environments);
   append_people(root, plan, layout);
   write_file_atomically(layout.root / "dataset.xml", xml_text(document));

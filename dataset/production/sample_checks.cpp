@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
+
+#include "dataset/model/map_table.h"
 
 namespace ohb::production {
 namespace {
@@ -69,21 +72,11 @@ void check_range(const Sample& sample, const Image& image, const std::string& na
 }
 
 void check_materials(const Sample& sample, const MaterialTable& table, std::vector<std::string>& faults) {
-  struct Property {
-    const char* name;
-    const Image& image;
-    float ClassMaterial::*value;
-  };
-  const Property properties[] = {{"roughness", sample.roughness, &ClassMaterial::roughness},
-                                 {"specular", sample.specular, &ClassMaterial::specular},
-                                 {"sss", sample.sss, &ClassMaterial::sss}};
-  for (const Property& property : properties) {
-    const auto [low, high] =
-        std::minmax_element(table.begin(), table.end(), [&](const ClassMaterial& a, const ClassMaterial& b) {
-          return a.*property.value < b.*property.value;
-        });
-    check_range(sample, property.image, property.name, (*low).*property.value, (*high).*property.value,
-                faults);
+  for (const MaterialMap& map : kMaterialMaps) {
+    const auto [low, high] = std::minmax_element(
+        table.begin(), table.end(),
+        [&](const ClassMaterial& a, const ClassMaterial& b) { return a.*map.value < b.*map.value; });
+    check_range(sample, sample.*map.pixels, map.name, (*low).*map.value, (*high).*map.value, faults);
   }
 }
 
@@ -131,20 +124,14 @@ std::vector<double> coarse(const Image& image) {
 }
 
 void compare_maps(const Sample& stored, const Sample& again, std::vector<std::string>& faults) {
-  struct Map {
-    const char* name;
-    Image Sample::*image;
-    float tolerance;
-  };
-  const Map maps[] = {{"mask", &Sample::mask, kHalf},         {"normal", &Sample::normal, 1e-3f},
-                      {"diffuse", &Sample::diffuse, kHalf},   {"roughness", &Sample::roughness, kHalf},
-                      {"specular", &Sample::specular, kHalf}, {"sss", &Sample::sss, kHalf},
-                      {"classes", &Sample::classes, kHalf},   {"displacement", &Sample::displacement, 1e-2f}};
-  for (const Map& map : maps) {
+  for (const SampleMap& map : sample_maps()) {
+    const float tolerance = map.image == &Sample::normal         ? 1e-3f
+                            : map.image == &Sample::displacement ? 1e-2f
+                                                                 : kHalf;
     const Image &a = stored.*map.image, &b = again.*map.image;
     size_t different = 0;
     for (size_t i = 0; i < a.values.size(); ++i)
-      different += i >= b.values.size() || std::abs(a.values[i] - b.values[i]) > map.tolerance;
+      different += i >= b.values.size() || std::abs(a.values[i] - b.values[i]) > tolerance;
     if (static_cast<double>(different) > kMapPixels * static_cast<double>(a.values.size()))
       faults.push_back(fmt::format("{} of {} values of {} are others when rendered again", different,
                                    a.values.size(), map.name));
@@ -165,15 +152,13 @@ std::vector<std::string> sample_faults(const Sample& sample, const MaterialTable
   });
   check_range(sample, sample.diffuse, "diffuse", 0, 1, faults);
   check_materials(sample, table, faults);
-  check(sample, sample.classes, "shares of the classes do not add to 1", faults,
-        [](const float* c, float m) { return m > 0 && std::abs(c[0] + c[1] + c[2] + c[3] - 1) > 4 * kHalf; });
+  check(sample, sample.classes, "shares of the classes do not add to 1", faults, [](const float* c, float m) {
+    return m > 0 && std::abs(std::accumulate(c, c + kClassCount, -1.0f)) > kClassCount * kHalf;
+  });
   if (const float frame = frame_cm(sample); frame > 0)
     check_range(sample, sample.displacement, "displacement", -2 * frame, 2 * frame, faults);
-  const std::pair<const char*, const Image*> maps[] = {
-      {"normal", &sample.normal},     {"diffuse", &sample.diffuse}, {"roughness", &sample.roughness},
-      {"specular", &sample.specular}, {"sss", &sample.sss},         {"displacement", &sample.displacement},
-      {"classes", &sample.classes}};
-  for (const auto& [name, image] : maps) check_outside(sample, *image, name, faults);
+  for (const SampleMap& map : sample_maps())
+    if (map.image != &Sample::mask) check_outside(sample, sample.*map.image, map.name, faults);
   if (sample.lights.empty()) faults.emplace_back("there is no lit image");
   for (const SampleLight& light : sample.lights) check_light(sample, light, faults);
   return faults;

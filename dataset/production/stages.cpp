@@ -81,17 +81,7 @@ std::string materials_text(const MaterialTable& table) {
   pugi::xml_document document;
   pugi::xml_node root = document.append_child("materials");
   root.append_attribute("schema") = "1";
-  root.append_attribute("specular_encoding") = "srgb-f0";
-  root.append_attribute("roughness_encoding") = "perceptual";
-  root.append_attribute("sss_encoding") = "weight-1.0-0.2-0.1-cm";
-  for (int c = 0; c < kClassCount; ++c) {
-    pugi::xml_node node = root.append_child("material");
-    node.append_attribute("class") = kClassNames[static_cast<size_t>(c)];
-    const ClassMaterial& material = table[static_cast<size_t>(c)];
-    node.append_attribute("specular") = shortest(material.specular).c_str();
-    node.append_attribute("roughness") = shortest(material.roughness).c_str();
-    node.append_attribute("sss") = shortest(material.sss).c_str();
-  }
+  append_materials(root, table);
   return xml_text(document);
 }
 

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "dataset/model/json_text.h"
+#include "dataset/model/regions.h"
 #include "dataset/program/help.h"
 #include "dataset/program/option_checks.h"
 #include "learner/cli/commands.h"
@@ -66,7 +67,7 @@ void add_relight_command(CLI::App& app, Commands& commands) {
   add_light_options(*command, *arguments);
   command
       ->add_option("--edit", o.edits,
-                   "CLASS:PRESET or CLASS:#rrggbb; CLASS is skin, hair, fabric or leather; may be repeated")
+                   "CLASS:PRESET or CLASS:#rrggbb; CLASS is " + class_list() + "; may be repeated")
       ->allow_extra_args(false);
   command->add_option("--subsurface-scale", o.subsurface_scale, "factor on the subsurface map")
       ->check(program::number_within(0, 1000))

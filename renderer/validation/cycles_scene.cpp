@@ -7,6 +7,7 @@
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/json_text.h"
+#include "dataset/model/model_files.h"
 #include "dataset/model/sampling.h"
 #include "dataset/model/scattering.h"
 
@@ -87,22 +88,21 @@ Image as_in_texels(Image sss) {
 }
 
 json write_texture_set(const fs::path& folder, const TextureSet& set, size_t number) {
-  const std::pair<const char*, const Image*> maps[] = {
-      {"albedo", &set.albedo},       {"alpha", &set.alpha},       {"normal", &set.normal},
-      {"roughness", &set.roughness}, {"specular", &set.specular}, {"sss", &set.sss}};
   json description = {{"name", set.name}};
-  for (const auto& [name, image] : maps) {
-    if (image->values.empty()) {
-      description[name] = nullptr;
+  for (const MapKind& kind : kMapKinds) {
+    const Image& image = set.*kind.image;
+    if (kind.image == &TextureSet::displacement) continue;
+    if (image.values.empty()) {
+      description[kind.name] = nullptr;
       continue;
     }
-    const std::string file = "maps/" + std::to_string(number) + "_" + name + ".exr";
+    const std::string file = "maps/" + std::to_string(number) + "_" + kind.name + ".exr";
     // Cycles 3.4 reads a half of 0 as 2^-15 (measured), more than kLeastSubsurface: all would scatter.
-    if (image == &set.sss)
-      write_map(folder / file, as_in_texels(*image), ExrPart::Type::kFloat);
+    if (kind.image == &TextureSet::sss)
+      write_map(folder / file, as_in_texels(image), ExrPart::Type::kFloat);
     else
-      write_map(folder / file, *image, ExrPart::Type::kHalf);
-    description[name] = file;
+      write_map(folder / file, image, ExrPart::Type::kHalf);
+    description[kind.name] = file;
   }
   return description;
 }

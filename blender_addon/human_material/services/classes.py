@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The four material classes, and soft masks of them decoded from the material maps. No bpy.
+"""The material classes of data/materials.json, and soft masks of them decoded from the material maps. No bpy.
 
-The maps are averages of the table's materials over a pixel, so a pixel on a border holds a mixture. Three of the four
+The maps are averages of the table's materials over a pixel, so a pixel on a border holds a mixture. Three of the
 materials lie almost on one line (a mixture of fabric and leather looks like hair), so a pixel alone does not tell: a
 pixel is first given the nearest class, then that of most pixels around it, and last, on borders, split between the
 two classes nearby whose mixture fits it best. An estimate may be half fabric, half leather over a whole sleeve, which
@@ -37,38 +37,40 @@ FEATURES = tuple(feature(decode.srgb_to_linear(e["specular"]), e["roughness"], e
 
 
 def shares_of_map(values, pixels):
-    """From the map `classes` (hair, fabric, leather a pixel) to four shares that sum to 1."""
-    shares = decode.zeros(len(values) // 3 * 4)
+    """From the map `classes` (a channel a class but the first) to a share of each class; they sum to 1."""
+    others, every = len(NAMES) - 1, len(NAMES)
+    shares = decode.zeros(len(values) // others * every)
     if vector.np:
-        hfl = vector.view(values, 3)[pixels].astype(float)
-        total = hfl.sum(1, keepdims=True)
-        vector.view(shares, 4)[pixels] = vector.np.concatenate(
-            [vector.np.maximum(0.0, 1 - total), hfl / vector.np.maximum(total, 1.0)], 1)
+        stated = vector.view(values, others)[pixels].astype(float)
+        total = stated.sum(1, keepdims=True)
+        vector.view(shares, every)[pixels] = vector.np.concatenate(
+            [vector.np.maximum(0.0, 1 - total), stated / vector.np.maximum(total, 1.0)], 1)
         return shares
     for p in pixels:
-        hair, fabric, leather = values[3 * p:3 * p + 3]
-        total = max(hair + fabric + leather, 1.0)
-        shares[4 * p:4 * p + 4] = decode.array("f", (
-            max(0.0, 1 - hair - fabric - leather), hair / total, fabric / total, leather / total))
+        pixel = values[others * p:others * p + others]
+        total = max(sum(pixel), 1.0)
+        shares[every * p:every * p + every] = decode.array("f", (
+            max(0.0, 1 - sum(pixel)), *(share / total for share in pixel)))
     return shares
 
 
 def shares_of_materials(f0, roughness, sss, pixels, width, height):
-    """Soft masks of the classes, decoded from the material maps: four shares a pixel that sum to 1."""
+    """Soft masks of the classes, decoded from the material maps: a share of each a pixel; they sum to 1."""
     steps = _fast_steps if vector.np else _steps
     points, voted, mixed = steps(f0, roughness, sss, pixels, width, height)
-    shares = decode.zeros(4 * width * height)
+    every = len(NAMES)
+    shares = decode.zeros(every * width * height)
     for p in pixels if mixed is None else mixed:
         nearby = _classes_around(voted, p, width, height, BORDER_RADIUS_PX)
         if len(nearby) == 1:
-            shares[4 * p + voted[p]] = 1.0
+            shares[every * p + voted[p]] = 1.0
         else:
             a, b, t = best_mixture(points(p), sorted(nearby))
-            shares[4 * p + a] = 1 - t
-            shares[4 * p + b] += t
+            shares[every * p + a] = 1 - t
+            shares[every * p + b] += t
     if mixed is not None:
         alone = vector.np.setdiff1d(pixels, mixed, assume_unique=True)
-        vector.view(shares, 4)[alone, vector.view(voted)[alone]] = 1.0
+        vector.view(shares, every)[alone, vector.view(voted)[alone]] = 1.0
     return shares
 
 

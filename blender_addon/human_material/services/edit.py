@@ -52,12 +52,12 @@ def mean_luminance(maps, class_index):
     total = weight_sum = 0.0
     shares, mask, diffuse = maps.shares, maps.mask, maps.diffuse
     if vector.np:
-        weights = vector.view(shares, 4)[:, class_index].astype(float) * vector.view(mask)
+        weights = vector.view(shares, len(classes.NAMES))[:, class_index].astype(float) * vector.view(mask)
         weight_sum = weights.sum()
         lit = vector.view(diffuse, 3).astype(float) @ [0.2126, 0.7152, 0.0722]
         return float((weights * vector.np.where(weights > 0, lit, 0)).sum() / weight_sum) if weight_sum > 0 else 0.0
     for p in range(len(mask)):
-        weight = shares[4 * p + class_index] * mask[p]
+        weight = shares[len(classes.NAMES) * p + class_index] * mask[p]
         if weight > 0:
             total += weight * decode.luminance(diffuse[3 * p], diffuse[3 * p + 1], diffuse[3 * p + 2])
             weight_sum += weight

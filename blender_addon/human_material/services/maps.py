@@ -25,7 +25,7 @@ class Maps:
     f0: array                 # normal-incidence reflectance
     sss: array
     displacement_cm: array
-    shares: array             # 4, in the order of classes.NAMES
+    shares: array             # one a class, in the order of classes.NAMES
     warnings: list = field(default_factory=list)
 
     @property
@@ -125,7 +125,8 @@ def _shares(rasters, pixels, width, height):
 def _grown(rasters, shares, mask, info):
     """Carries every raster over the outline; returns where there are values now."""
     width, height = info.width_px, info.height_px
-    for name, channels in (("normal", 3), ("diffuse", 3), ("roughness", 1), ("specular", 1), ("sss", 1), (None, 4)):
+    for name, channels in (("normal", 3), ("diffuse", 3), ("roughness", 1), ("specular", 1), ("sss", 1),
+                           (None, len(classes.NAMES))):
         known = bytearray(value > 0 for value in mask)
         decode.grow(shares if name is None else rasters[name], channels, known, width, height, GROW_PX)
     known = bytearray(value > 0 for value in mask)

@@ -5,6 +5,7 @@ import math
 import os
 from dataclasses import dataclass, field
 
+from . import classes
 from .errors import InputError
 
 FILE_NAME = "maps.json"
@@ -23,7 +24,7 @@ MAPS = {
     "specular": (1, {"srgb_f0": ("PNG", "EXR"), "disney08": ("PNG", "EXR"), "linear_f0": ("PNG", "EXR")}, True),
     "sss": (1, {"value": ("PNG", "EXR")}, True),
     "displacement": (1, {"offset": ("PNG", "EXR"), "signed_cm": ("EXR",)}, True),
-    "classes": (3, {"shares": ("PNG", "EXR")}, False),
+    "classes": (len(classes.NAMES) - 1, {"shares": ("PNG", "EXR")}, False),
 }
 
 

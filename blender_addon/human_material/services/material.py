@@ -34,15 +34,17 @@ def packed_image(name, width, height, channels):
 
 
 def images_of(maps, name):
-    """The material's images: HM_diffuse (RGB, alpha = coverage), HM_normal, HM_rss, HM_shares."""
+    """The material's images: HM_diffuse (RGB, alpha = coverage), HM_normal, HM_rss, HM_shares (four classes an image)."""
     width, height = maps.size
     normal = [_encoded(maps.normal[c::3]) for c in range(3)]
     content = {
         "diffuse": [maps.diffuse[c::3] for c in range(3)] + [maps.mask],
         "normal": normal,
         "rss": [maps.roughness, maps.f0, maps.sss],
-        "shares": [maps.shares[c::4] for c in range(4)],
     }
+    every = len(classes.NAMES)
+    for first in range(0, every, 4):
+        content[_shares_key(first)] = [maps.shares[c::every] for c in range(first, min(first + 4, every))]
     return {key: packed_image("%s %s" % (name, key), width, height, channels)
             for key, channels in content.items()}
 
@@ -65,7 +67,7 @@ def build(maps, name, subsurface_method="random_walk_skin"):
              for row, (key, image) in enumerate(images.items())}
     rss = _separate(tree, nodes["rss"].outputs["Color"])
     surface = {"base": nodes["diffuse"].outputs["Color"], "roughness": rss[0], "f0": rss[1], "sss": rss[2]}
-    surface = edit.add_nodes(tree, surface, _shares(tree, nodes["shares"]), maps)
+    surface = edit.add_nodes(tree, surface, _shares(tree, nodes), maps)
     bsdf = _principled(tree, surface, nodes["normal"], subsurface_method)
     _output(tree, bsdf, nodes["diffuse"].outputs["Alpha"])
     compat.set_cut_out(material)
@@ -89,10 +91,19 @@ def _separate(tree, color):
     return node.outputs
 
 
-def _shares(tree, texture):
+def _shares_key(first):
+    """The image of the shares of four classes from the first on."""
+    return "shares" if first == 0 else "shares_%d" % first
+
+
+def _shares(tree, nodes):
     """One output a class."""
-    parts = _separate(tree, texture.outputs["Color"])
-    return [parts[0], parts[1], parts[2], texture.outputs["Alpha"]]
+    outputs = []
+    for first in range(0, len(classes.NAMES), 4):
+        texture = nodes[_shares_key(first)]
+        parts = _separate(tree, texture.outputs["Color"])
+        outputs += [parts[0], parts[1], parts[2], texture.outputs["Alpha"]]
+    return outputs
 
 
 def math_node(tree, operation, *values, name=""):

@@ -1,4 +1,6 @@
-"""One sample: a multi-part EXR with a mask, six maps, the classes and one picture a light (docs/commands/render.md)."""
+"""One sample: a multi-part EXR with a mask, its maps, the classes and one picture a light (docs/commands/render.md)."""
+import json
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -15,17 +17,9 @@ class Field(NamedTuple):
 
 
 LIGHT = "relit."
-FIELDS = {
-    "mask": Field(("A",), "share", "coverage of the pixel, 0 to 1"),
-    "normal": Field(("X", "Y", "Z"), "unit vector", "camera space: +X right, +Y up, +Z to the viewer; 0 where mask is 0"),
-    "diffuse": Field(("R", "G", "B"), "albedo", "linear Rec. 709"),
-    "roughness": Field(("Y",), "1", "perceptual; GGX alpha is its square"),
-    "specular": Field(("Y",), "1", "S: reflectance at normal incidence F0 = sRGB_to_linear(S)"),
-    "sss": Field(("Y",), "1", "subsurface weight; scattering radius = sss x (1.0, 0.2, 0.1) cm"),
-    "displacement": Field(("Y",), "cm", "from the plane z = 0 through the subject's middle, positive towards the camera"),
-    "classes": Field(("skin", "hair", "fabric", "leather"), "share", "of each class in the covered part"),
-    "relit": Field(("R", "G", "B"), "radiance", "of one light: linear Rec. 709, premultiplied by mask, background black"),
-}
+# Written by `dump_sample --fields` from the table that the C++ programs use.
+_STORED = json.loads((Path(__file__).parent / "fields.json").read_text(encoding="utf-8"))
+FIELDS = {name: Field(tuple(field["channels"]), field["unit"], field["meaning"]) for name, field in _STORED.items()}
 
 
 def _openexr():
