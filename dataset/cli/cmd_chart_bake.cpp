@@ -52,6 +52,18 @@ int run_bake_chart(const Options& options, const CommonOptions& common) {
   return fidelity.passes() ? kExitDone : kExitDifference;
 }
 
+void add_picture_options(CLI::App* command, studies::FidelitySettings& settings) {
+  command->add_option("--size", settings.size_px, "width and height of the picture in pixels")
+      ->check(program::whole_within(8, 8192))
+      ->capture_default_str();
+  command->add_option("--spp", settings.spp, "paths a pixel of one image")
+      ->check(program::whole_within(1, 8192))
+      ->capture_default_str();
+  command->add_option("--seeds", settings.seeds, "images of each kind, each with its own seed")
+      ->check(program::whole_within(2, 256))
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void add_bake_chart(CLI::App& chart, Commands& commands) {
@@ -74,15 +86,7 @@ void add_bake_chart(CLI::App& chart, Commands& commands) {
       ->check(program::whole_within(1, bake::kMaxMapSize_px));
   command->add_flag("--hard-borders", options->hard_borders,
                     "classes change at the faces' edges; the regions' weights are not used");
-  command->add_option("--size", settings.size_px, "width and height of the picture in pixels")
-      ->check(program::whole_within(8, 8192))
-      ->capture_default_str();
-  command->add_option("--spp", settings.spp, "paths a pixel of one image")
-      ->check(program::whole_within(1, 8192))
-      ->capture_default_str();
-  command->add_option("--seeds", settings.seeds, "images of each kind, each with its own seed")
-      ->check(program::whole_within(2, 256))
-      ->capture_default_str();
+  add_picture_options(command, settings);
   command->add_option("-o,--output", options->output, "folder for chart.svg, .png, .csv and .json")
       ->required();
   add_common_options(*command, commands.common);

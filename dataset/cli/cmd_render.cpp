@@ -13,26 +13,20 @@ namespace ohb {
 namespace {
 
 struct Options {
-  std::string model, output, views = "1", subsurface = "walk", shading = "v1", sampling = "adaptive",
-                             quality = "reference";
-  std::vector<std::string> environments, points;
-  int size_px = 512, spp = 256, bounces = 32;
-  double error = 0, tolerance = commands::RenderJob().tolerance;
-  bool tolerance_given = false, overwrites = false;
-  int max_spp = renderer::ErrorGoal().max_spp;
+  commands::RenderJob job;
+  std::string views = "1", subsurface = "walk", shading = "v1", sampling = "adaptive", quality = "reference";
+  std::vector<std::string> points;
+  renderer::ErrorGoal goal{0};
+  bool tolerance_given = false;
 };
 
+/// The job with what its options say in words.
 commands::RenderJob job_of(const Options& options, const CommonOptions& common) {
-  commands::RenderJob job;
-  job.model_folder = options.model;
-  job.environments.assign(options.environments.begin(), options.environments.end());
+  commands::RenderJob job = options.job;
   for (const std::string& point : options.points)
     job.points.push_back(commands::parse_point_light(point, job.points.size()));
   job.views = commands::parse_views(options.views);
-  job.settings.size_px = options.size_px;
-  job.settings.spp = options.spp;
-  if (options.error > 0) job.goal = renderer::ErrorGoal{options.error, options.max_spp};
-  job.settings.max_bounces = options.bounces;
+  if (options.goal.relative_error > 0) job.goal = options.goal;
   job.settings.adaptive = options.sampling == "adaptive";
   job.settings.subsurface = options.subsurface == "walk";
   job.settings.shading = options.shading == "v2" ? renderer::ShadingModel::kV2 : renderer::ShadingModel::kV1;
@@ -40,11 +34,8 @@ commands::RenderJob job_of(const Options& options, const CommonOptions& common) 
   job.quality = options.quality == "auto"   ? renderer::Quality::kAuto
                 : options.quality == "fast" ? renderer::Quality::kFast
                                             : renderer::Quality::kReference;
-  job.tolerance = options.tolerance;
   if (job.quality != renderer::Quality::kAuto && options.tolerance_given)
     throw InputError("", "--tolerance", "needs --quality auto", "give both, or neither");
-  job.output = options.output;
-  job.overwrites = options.overwrites;
   return job;
 }
 
@@ -75,40 +66,40 @@ int run_render(const Options& options, const CommonOptions& common) {
   if (common.json)
     std::printf("%s", read_file(job.output / "render.json").c_str());
   else
-    print_report(report, options.output);
+    print_report(report, job.output.string());
   return 0;
 }
 
 void add_view_options(CLI::App* command, const std::shared_ptr<Options>& options) {
-  command->add_option("MODEL", options->model, "folder that bake wrote")->required();
-  command->add_option("--environment", options->environments,
+  command->add_option("MODEL", options->job.model_folder, "folder that bake wrote")->required();
+  command->add_option("--environment", options->job.environments,
                       "latitude-longitude map, linear; may be repeated");
   command->add_option("--point", options->points,
                       "point light x,y,z,I: cm, and irradiance at 1 m; may be repeated");
   command->add_option("--views", options->views, "N: all of N views around a turn; N:i,j,...: some of them")
       ->capture_default_str();
-  command->add_option("--size", options->size_px, "width and height in pixels")
+  command->add_option("--size", options->job.settings.size_px, "width and height in pixels")
       ->check(program::whole_within(1, 16384))
       ->capture_default_str();
 }
 
 void add_path_options(CLI::App* command, const std::shared_ptr<Options>& options) {
-  CLI::Option* spp = command->add_option("--spp", options->spp, "paths a pixel")
+  CLI::Option* spp = command->add_option("--spp", options->job.settings.spp, "paths a pixel")
                          ->check(program::whole_within(1, 1 << 24))
                          ->capture_default_str();
   CLI::Option* error =
       command
           ->add_option(
-              "--error", options->error,
+              "--error", options->goal.relative_error,
               "instead of --spp: paths until the estimated relative error of every light's image, and "
               "of each class in it, is below this")
           ->check(program::number_within(1e-4, 1.0))
           ->excludes(spp);
-  command->add_option("--max-spp", options->max_spp, "paths a pixel at most with --error")
+  command->add_option("--max-spp", options->goal.max_spp, "paths a pixel at most with --error")
       ->check(program::whole_within(16, 1 << 24))
       ->needs(error)
       ->capture_default_str();
-  command->add_option("--bounces", options->bounces, "indirect bounces at most")
+  command->add_option("--bounces", options->job.settings.max_bounces, "indirect bounces at most")
       ->check(program::whole_within(0, 1024))
       ->capture_default_str();
 }
@@ -143,7 +134,9 @@ void add_quality_options(CLI::App* command, const std::shared_ptr<Options>& opti
   command
       ->add_option_function<double>(
           "--tolerance",
-          [options](double tolerance) { options->tolerance = tolerance, options->tolerance_given = true; },
+          [options](double tolerance) {
+            options->job.tolerance = tolerance, options->tolerance_given = true;
+          },
           "of --quality auto: root mean square change of a light's image, relative (default 0.02)")
       ->check(program::number_within(1e-4, 1.0));
 }
@@ -158,8 +151,8 @@ void add_render_command(CLI::App& app, Commands& commands) {
   add_path_options(command, options);
   add_shading_options(command, options);
   add_quality_options(command, options);
-  command->add_option("-o,--output", options->output, "folder for the samples")->required();
-  command->add_flag("--overwrite", options->overwrites,
+  command->add_option("-o,--output", options->job.output, "folder for the samples")->required();
+  command->add_flag("--overwrite", options->job.overwrites,
                     "replace the views in that folder if they are of other settings (else they are refused)");
   add_common_options(*command, commands.common);
   add_seed_option(*command, commands.common);

@@ -281,6 +281,18 @@ void divide(const Model& model, const std::array<ClassSums, kClassCount>& sums,
   }
 }
 
+/// What falls on each texel, in the place of a divisor.
+void look_up_irradiance(const Model& model, const std::vector<Vec3f>& irradiance, SetPicture& picture) {
+  picture.divisor = Image(picture.colour.width_px, picture.colour.height_px, 3);
+  std::fill(picture.divisor.values.begin(), picture.divisor.values.end(), 1.0f);
+  for_each_texel(picture, [&](size_t texel, uint32_t t, const double weights[3]) {
+    Vec3f e{0, 0, 0};
+    for (int k = 0; k < 3; ++k)
+      e += static_cast<float>(weights[k]) * irradiance[model.triangles[t].position[k]];
+    for (int c = 0; c < 3; ++c) picture.divisor.values[3 * texel + static_cast<size_t>(c)] = e[c];
+  });
+}
+
 }  // namespace
 
 DelightReport delight(Scan& scan, const Regions& regions, double unit_cm, const fs::path& scratch) {
@@ -297,16 +309,7 @@ DelightReport delight(Scan& scan, const Regions& regions, double unit_cm, const 
     is_solid[t] = scan.materials[mesh.material_of_set[model.triangles[t].set]].is_opaque();
   const std::vector<Vec3f> colour = colours_at_positions(mesh, scan, pictures);
   const std::vector<Vec3f> irradiance = bake::ambient_irradiance(model, is_solid, colour, kDelightRays);
-  for (SetPicture& picture : pictures) {
-    picture.divisor = Image(picture.colour.width_px, picture.colour.height_px, 3);
-    std::fill(picture.divisor.values.begin(), picture.divisor.values.end(), 1.0f);
-    for_each_texel(picture, [&](size_t texel, uint32_t t, const double weights[3]) {
-      Vec3f e{0, 0, 0};
-      for (int k = 0; k < 3; ++k)
-        e += static_cast<float>(weights[k]) * irradiance[model.triangles[t].position[k]];
-      for (int c = 0; c < 3; ++c) picture.divisor.values[3 * texel + static_cast<size_t>(c)] = e[c];
-    });
-  }
+  for (SetPicture& picture : pictures) look_up_irradiance(model, irradiance, picture);
   const std::array<double, kClassCount> slopes = slopes_of(model, is_solid, colour, irradiance);
   const std::array<ClassSums, kClassCount> sums = sums_of(model, pictures);
   std::array<DelightRegion, kClassCount> all;

@@ -247,12 +247,28 @@ std::vector<std::string> class_order_of(const fs::path& faces, const fs::path& s
   return {};
 }
 
-LabelReport label_scan(const LabelJob& job) {
+namespace {
+
+void check_sources(const LabelJob& job) {
   if (!job.rules.empty() + !job.faces.empty() + !job.strokes.empty() + job.automatic > 1)
     throw InputError("", "--rules", "--faces, --strokes and --automatic exclude each other",
                      "give one of them");
   if (!job.answers.empty() && job.strokes.empty() && !job.automatic)
     throw InputError("", "--answer", "answers what --automatic or --strokes asks", "add one of them");
+}
+
+void write_strokes(const fs::path& file, const LabelJob& job, const Labels& labels,
+                   const std::string& scan_sha256) {
+  if (!job.answers.empty())
+    write_file_atomically(file, labelling::strokes_xml({scan_sha256, labels.strokes}));
+  else if (!job.strokes.empty())
+    write_file_atomically(file, read_file(job.strokes));
+}
+
+}  // namespace
+
+LabelReport label_scan(const LabelJob& job) {
+  check_sources(job);
   AtomicFolder folder(job.output, "regions", {job.scan, job.rules, job.faces, job.strokes, job.truth});
   Scan scan = read_scan(job.scan);
   turn_up(scan, job.up);
@@ -280,11 +296,7 @@ LabelReport label_scan(const LabelJob& job) {
   if (!job.truth.empty())
     report.truth = compare_with_truth(regions.face_class, classes_of_file(job.truth, scan, job), areas);
   write_regions(folder.path(), regions);
-  if (!job.answers.empty())
-    write_file_atomically(folder.path() / "strokes.xml",
-                          labelling::strokes_xml({report.scan_sha256, labels.strokes}));
-  else if (!job.strokes.empty())
-    write_file_atomically(folder.path() / "strokes.xml", read_file(job.strokes));
+  write_strokes(folder.path() / "strokes.xml", job, labels, report.scan_sha256);
   write_maps(folder.path(), scan, job, labels, report);
   write_previews(folder.path(), scan, labels.face_class, labels.question_of_face, report);
   write_file_atomically(folder.path() / "report.json", json_text(to_json(report), 2) + "\n");

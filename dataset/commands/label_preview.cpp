@@ -89,7 +89,8 @@ class View {
   std::vector<float> depth_;
 };
 
-std::string svg_of(const PictureFrame& frame, const LabelReport& report) {
+/// What the colours mean, a line each.
+std::vector<std::string> legend_of(const PictureFrame& frame, const LabelReport& report) {
   std::vector<std::string> lines;
   const auto swatch = [&](const std::string& colour, const std::string& text) {
     const int y = frame.height_px + kLine_px * static_cast<int>(lines.size() + 1);
@@ -111,6 +112,11 @@ std::string svg_of(const PictureFrame& frame, const LabelReport& report) {
              fmt::format("{}, {:.0f} cm2: {} or {}? (--answer {}={})", question.name, question.area_cm2,
                          kClassNames[question.now], kClassNames[question.rival], question.name,
                          kClassNames[question.rival]));
+  return lines;
+}
+
+std::string svg_of(const PictureFrame& frame, const LabelReport& report) {
+  const std::vector<std::string> lines = legend_of(frame, report);
   const int width = 2 * frame.width_px,
             height = frame.height_px + kLine_px * static_cast<int>(lines.size() + 1);
   std::string svg = fmt::format(

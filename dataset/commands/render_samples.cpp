@@ -118,6 +118,55 @@ std::vector<SampleLight> render_goal(const renderer::LitView& view, const render
   return images;
 }
 
+/// One view of what a job prepared, rendered and written.
+class ViewRender {
+ public:
+  ViewRender(const RenderJob& job, const Model& model, const Camera& camera,
+             const renderer::PreparedScene& prepared, SampleOutput& output, Progress& progress)
+      : job_(job),
+        model_(model),
+        camera_(camera),
+        prepared_(prepared),
+        output_(output),
+        progress_(progress) {}
+
+  void operator()(int view, RenderedView& rendered) const {
+    renderer::RenderSettings settings = prepared_.settings_for(job_.settings);
+    settings.seed = seed_of_view(job_.settings.seed, model_.name, view, job_.views.count);
+    const double turn_rad = turn_of_view(view, job_.views.count);
+    const auto map_start = Clock::now();
+    Sample sample = renderer::render_maps(*prepared_.scene, camera_, turn_rad, settings,
+                                          [](size_t) { throw_if_interrupted(); });
+    rendered.map_seconds = seconds_since(map_start);
+    sample.lights = lights({*prepared_.lit, *prepared_.lights, camera_, turn_rad}, settings, rendered);
+    if (rendered.statistics.nonfinite > 0)
+      spdlog::warn("view {}: {} contributions were NaN or infinite and left out", view,
+                   rendered.statistics.nonfinite);
+    sample.attributes = output_.attributes_of(view);
+    add_needs(job_, prepared_, sample.attributes);
+    if (job_.goal) add_reached(rendered.error, sample.attributes);
+    write_previews(job_.output / "previews", view_name(view), sample);
+    write_sample(rendered.file, sample);
+  }
+
+ private:
+  std::vector<SampleLight> lights(const renderer::LitView& lit, const renderer::RenderSettings& settings,
+                                  RenderedView& rendered) const {
+    if (job_.goal) return render_goal(lit, settings, *job_.goal, rendered, progress_);
+    return renderer::render_lights(lit, settings, &rendered.statistics, [&](size_t n) {
+      throw_if_interrupted();
+      progress_.add(n);
+    });
+  }
+
+  const RenderJob& job_;
+  const Model& model_;
+  const Camera& camera_;
+  const renderer::PreparedScene& prepared_;
+  SampleOutput& output_;
+  Progress& progress_;
+};
+
 }  // namespace
 
 ViewList parse_views(const std::string& text) {
@@ -190,28 +239,7 @@ RenderReport render_samples(const RenderJob& job) {
       progress.add(pixels);
     } else {
       if (!report.prepared.scene) report.prepared = prepare(job, model, environments, camera, report);
-      const renderer::PreparedScene& prepared = report.prepared;
-      renderer::RenderSettings settings = prepared.settings_for(job.settings);
-      settings.seed = seed_of_view(job.settings.seed, model.name, view, job.views.count);
-      const double turn_rad = turn_of_view(view, job.views.count);
-      const auto map_start = Clock::now();
-      Sample sample = renderer::render_maps(*prepared.scene, camera, turn_rad, settings,
-                                            [](size_t) { throw_if_interrupted(); });
-      rendered.map_seconds = seconds_since(map_start);
-      const renderer::LitView lit{*prepared.lit, *prepared.lights, camera, turn_rad};
-      sample.lights = job.goal ? render_goal(lit, settings, *job.goal, rendered, progress)
-                               : renderer::render_lights(lit, settings, &rendered.statistics, [&](size_t n) {
-                                   throw_if_interrupted();
-                                   progress.add(n);
-                                 });
-      if (rendered.statistics.nonfinite > 0)
-        spdlog::warn("view {}: {} contributions were NaN or infinite and left out", view,
-                     rendered.statistics.nonfinite);
-      sample.attributes = output.attributes_of(view);
-      add_needs(job, prepared, sample.attributes);
-      if (job.goal) add_reached(rendered.error, sample.attributes);
-      write_previews(job.output / "previews", view_name(view), sample);
-      write_sample(rendered.file, sample);
+      ViewRender(job, model, camera, report.prepared, output, progress)(view, rendered);
     }
     report.views.push_back(rendered);
     output.add(rendered, job, report);

@@ -69,6 +69,16 @@ bool is_sun(const float* rgb) {
   return is_known(rgb[0]) && is_known(rgb[1]) && is_known(rgb[2]);
 }
 
+void warn_of_mended(float brightest, Panorama& panorama) {
+  if (panorama.nan > 0)
+    panorama.warnings.push_back(std::to_string(panorama.nan) +
+                                " texels were NaN and are now the mean of their neighbours");
+  if (panorama.infinite > 0)
+    panorama.warnings.push_back(std::to_string(panorama.infinite) + " texels were infinite and are now " +
+                                std::to_string(static_cast<long long>(brightest)) +
+                                ": the true sun was brighter");
+}
+
 void mend_what_is_not_finite(const std::string& file, Panorama& panorama) {
   Image& image = panorama.radiance;
   float brightest = kLargestHalf;  // an infinite half is at least as bright
@@ -102,13 +112,7 @@ void mend_what_is_not_finite(const std::string& file, Panorama& panorama) {
       }
     }
   image = std::move(mended);
-  if (panorama.nan > 0)
-    panorama.warnings.push_back(std::to_string(panorama.nan) +
-                                " texels were NaN and are now the mean of their neighbours");
-  if (panorama.infinite > 0)
-    panorama.warnings.push_back(std::to_string(panorama.infinite) + " texels were infinite and are now " +
-                                std::to_string(static_cast<long long>(brightest)) +
-                                ": the true sun was brighter");
+  warn_of_mended(brightest, panorama);
 }
 
 void mend_negative(const std::string& file, Panorama& panorama) {

@@ -124,11 +124,25 @@ Painting studio(Random& random, int width_px) {
                                       lamps.size(), rims)};
 }
 
+namespace {
+
+struct Glow {
+  Vec3f towards, radiance;
+  float sharpness;
+};
+
+/// Its energy, 2 pi / sharpness x (1 - exp(-2 sharpness)), is drawn, not its peak. `colour`: draws one.
+template <class Colour>
+Glow draw_glow(Random& random, const Colour& colour) {
+  const Vec3f towards = towards_degrees({within(random, -180, 180), within(random, -25, 60)});
+  const float sharpness = within_ratio(random, 2, 40);
+  const float energy = within_ratio(random, 0.2f, 1);
+  return {towards, colour() * (energy * sharpness / (2 * kPi * (1 - std::exp(-2 * sharpness)))), sharpness};
+}
+
+}  // namespace
+
 Painting coloured_lamps(Random& random, int width_px) {
-  struct Glow {
-    Vec3f towards, radiance;
-    float sharpness;
-  };
   std::vector<Glow> glows;
   std::vector<AreaLight> lamps;
   const float first = random.next(), apart = within(random, 0.2f, 0.5f);
@@ -138,14 +152,7 @@ Painting coloured_lamps(Random& random, int width_px) {
     return hue_of(hue, within(random, 0.4f, 0.95f));
   };
   const int glow_count = 2 + below(random, 3), lamp_count = below(random, 4);
-  for (int k = 0; k < glow_count; ++k) {
-    const Vec3f towards = towards_degrees({within(random, -180, 180), within(random, -25, 60)});
-    const float sharpness = within_ratio(random, 2, 40);
-    // Its energy, 2 pi / sharpness x (1 - exp(-2 sharpness)), is drawn, not its peak.
-    const float energy = within_ratio(random, 0.2f, 1);
-    glows.push_back(
-        {towards, colour(k) * (energy * sharpness / (2 * kPi * (1 - std::exp(-2 * sharpness)))), sharpness});
-  }
+  for (int k = 0; k < glow_count; ++k) glows.push_back(draw_glow(random, [&] { return colour(k); }));
   for (int k = 0; k < lamp_count; ++k) {
     const bool is_disc = random.next() < 0.3f;
     const float half = within_ratio(random, 0.06f, 0.4f);

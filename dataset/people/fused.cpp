@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <tuple>
 
 #include "dataset/model/parallel.h"
 #include "dataset/people/voxel_wrap.h"
@@ -122,20 +123,23 @@ class FlatCharts {
   std::vector<std::vector<uint32_t>> neighbours_, charts_;
 };
 
+/// The lowest corner and the size of a chart's box, in cm.
+std::pair<Vec2f, Vec2f> box_of(const WrappedSurface& surface, const FlatCharts& charts, size_t chart) {
+  Vec2f least{INFINITY, INFINITY}, most{-INFINITY, -INFINITY};
+  for (const uint32_t quad : charts.quads(chart))
+    for (const uint32_t v : surface.quads[quad]) {
+      const Vec2f p = charts.flat(quad, surface.positions_cm[v]);
+      least = {std::min(least.x, p.x), std::min(least.y, p.y)},
+      most = {std::max(most.x, p.x), std::max(most.y, p.y)};
+    }
+  return {least, most - least};
+}
+
 /// Gives the fused scan its UVs and corners, chart by chart.
 void lay_out(const WrappedSurface& surface, const FlatCharts& charts, int size_px, ScannedPerson& out) {
   constexpr float kGutter_px = 2;
   std::vector<Vec2f> low(charts.count()), size(charts.count());
-  for (size_t c = 0; c < charts.count(); ++c) {
-    Vec2f least{INFINITY, INFINITY}, most{-INFINITY, -INFINITY};
-    for (const uint32_t quad : charts.quads(c))
-      for (const uint32_t v : surface.quads[quad]) {
-        const Vec2f p = charts.flat(quad, surface.positions_cm[v]);
-        least = {std::min(least.x, p.x), std::min(least.y, p.y)},
-        most = {std::max(most.x, p.x), std::max(most.y, p.y)};
-      }
-    low[c] = least, size[c] = most - least;
-  }
+  for (size_t c = 0; c < charts.count(); ++c) std::tie(low[c], size[c]) = box_of(surface, charts, c);
   std::vector<size_t> order(charts.count());
   std::iota(order.begin(), order.end(), size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return size[a].y > size[b].y; });

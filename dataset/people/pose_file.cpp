@@ -21,6 +21,22 @@ struct Joint {
   std::string channels;  // p or r, and the axis: "pxpypzrxryrz"
 };
 
+/// The rest of an OFFSET or CHANNELS line.
+void read_joint_line(AssetLines& lines, const std::string& key, Joint& joint) {
+  if (key == "OFFSET") {
+    for (int axis = 0; axis < 3; ++axis) joint.offset[axis] = lines.number("offset");
+    return;
+  }
+  const uint32_t count = lines.index("number of channels", 7);
+  for (uint32_t i = 0; i < count; ++i) {
+    const std::string channel(lines.word());
+    if (channel.size() < 9 || channel[0] < 'X' || channel[0] > 'Z')
+      lines.fail("knows no channel '" + channel.substr(0, 40) + "'");
+    joint.channels += channel.substr(1) == "position" ? 'p' : 'r';
+    joint.channels += static_cast<char>(channel[0] - 'X' + 'x');
+  }
+}
+
 /// The file's joints in order; `line` stands on MOTION afterwards.
 std::vector<Joint> read_hierarchy(AssetLines& lines) {
   std::vector<Joint> joints;
@@ -46,20 +62,7 @@ std::vector<Joint> read_hierarchy(AssetLines& lines) {
       stack.pop_back();
     } else if (key == "OFFSET" || key == "CHANNELS") {
       if (stack.empty()) lines.fail("stands outside a joint");
-      if (stack.back() < 0) continue;
-      Joint& joint = joints[static_cast<size_t>(stack.back())];
-      if (key == "OFFSET") {
-        for (int axis = 0; axis < 3; ++axis) joint.offset[axis] = lines.number("offset");
-        continue;
-      }
-      const uint32_t count = lines.index("number of channels", 7);
-      for (uint32_t i = 0; i < count; ++i) {
-        const std::string channel(lines.word());
-        if (channel.size() < 9 || channel[0] < 'X' || channel[0] > 'Z')
-          lines.fail("knows no channel '" + channel.substr(0, 40) + "'");
-        joint.channels += channel.substr(1) == "position" ? 'p' : 'r';
-        joint.channels += static_cast<char>(channel[0] - 'X' + 'x');
-      }
+      if (stack.back() >= 0) read_joint_line(lines, key, joints[static_cast<size_t>(stack.back())]);
     } else if (key == "MOTION") {
       if (!stack.empty() || joints.empty()) lines.fail("the hierarchy is not closed");
       return joints;

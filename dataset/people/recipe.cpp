@@ -255,6 +255,18 @@ nlohmann::json to_json(const ZoneLook& look) {
   return json;
 }
 
+nlohmann::json to_json(const BodySliders& body) {
+  return {{"male", rounded(body.male)},
+          {"muscle", rounded(body.muscle)},
+          {"weight", rounded(body.weight)},
+          {"proportions", rounded(body.proportions)},
+          {"cup", rounded(body.cup)},
+          {"firmness", rounded(body.firmness)},
+          {"african", rounded(body.african)},
+          {"asian", rounded(body.asian)},
+          {"caucasian", rounded(body.caucasian)}};
+}
+
 }  // namespace
 
 nlohmann::json to_json(const Recipe& r) {
@@ -278,16 +290,7 @@ nlohmann::json to_json(const Recipe& r) {
           {"group", kGroupNames[r.group]},
           {"years", r.years},
           {"height_cm", rounded(r.height_cm)},
-          {"body",
-           {{"male", rounded(r.body.male)},
-            {"muscle", rounded(r.body.muscle)},
-            {"weight", rounded(r.body.weight)},
-            {"proportions", rounded(r.body.proportions)},
-            {"cup", rounded(r.body.cup)},
-            {"firmness", rounded(r.body.firmness)},
-            {"african", rounded(r.body.african)},
-            {"asian", rounded(r.body.asian)},
-            {"caucasian", rounded(r.body.caucasian)}}},
+          {"body", to_json(r.body)},
           {"face", face},
           {"skin", r.skin},
           {"skin_srgb", srgb_of(r.skin_tone)},

@@ -147,20 +147,31 @@ fs::path by_pattern(const XmlDocument& xml, pugi::xml_node node, const fs::path&
   return path;
 }
 
+/// Where a folder has a person's files; {id} stands for the name.
+struct FilePatterns {
+  std::string scan, labels, regions;
+};
+
+FilePatterns read_patterns(const XmlDocument& xml, pugi::xml_node node) {
+  FilePatterns patterns{xml.text_or(node, "scan", "{id}/{id}_scan.obj"),
+                        xml.text_or(node, "labels", "{id}/{id}_scan.labels.txt"),
+                        xml.text_or(node, "regions", "")};
+  if (patterns.scan.find("{id}") == std::string::npos)
+    throw xml.error(node, "scan=\"" + patterns.scan + "\" has no {id} in it",
+                    "write {id} where the person's name stands");
+  if (!patterns.regions.empty() && node.attribute("labels"))
+    throw xml.error(node, "has both labels and regions", "keep one");
+  return patterns;
+}
+
 std::vector<PlanPerson> read_folder(const XmlDocument& xml, pugi::xml_node node, uint64_t seed) {
   xml.expect_attributes(node, {"folder", "scan", "labels", "regions", "split", "train", "val", "train_count",
                                "unit", "licence", "sex", "age", "group"});
   xml.expect_children(node, {});
   const fs::path folder = plan_path(xml, node, "folder", true);
   const SplitRule rule = read_rule(xml, node);
-  const std::string scan = xml.text_or(node, "scan", "{id}/{id}_scan.obj"),
-                    labels = xml.text_or(node, "labels", "{id}/{id}_scan.labels.txt"),
-                    regions = xml.text_or(node, "regions", "");
-  if (scan.find("{id}") == std::string::npos)
-    throw xml.error(node, "scan=\"" + scan + "\" has no {id} in it",
-                    "write {id} where the person's name stands");
-  if (!regions.empty() && node.attribute("labels"))
-    throw xml.error(node, "has both labels and regions", "keep one");
+  const FilePatterns patterns = read_patterns(xml, node);
+  const std::string& scan = patterns.scan;
   const auto known = known_people(folder);
   std::vector<PlanPerson> people;
   for (const std::string& id : names_in(folder)) {
@@ -168,13 +179,13 @@ std::vector<PlanPerson> read_folder(const XmlDocument& xml, pugi::xml_node node,
     PlanPerson person;
     person.id = id;
     person.scan = folder / with_id(scan, id);
-    person.is_automatic = labels == "auto" && regions.empty();
+    person.is_automatic = patterns.labels == "auto" && patterns.regions.empty();
     person.unit = xml.text_or(node, "unit", "");
     check_unit(xml, node, person.unit);
-    if (!regions.empty())
-      person.regions = by_pattern(xml, node, folder, regions, id, true);
+    if (!patterns.regions.empty())
+      person.regions = by_pattern(xml, node, folder, patterns.regions, id, true);
     else if (!person.is_automatic)
-      person.labels = by_pattern(xml, node, folder, labels, id, false);
+      person.labels = by_pattern(xml, node, folder, patterns.labels, id, false);
     if (const auto found = known.find(id); found != known.end()) person.attributes = found->second;
     add_attributes(xml, node, person);
     people.push_back(std::move(person));

@@ -92,6 +92,9 @@ void add_schedule(CLI::App& command, learner::TrainOptions& o) {
       ->check(program::whole_within(0, kMostSteps))
       ->capture_default_str();
   command.add_flag("--cosine", o.cosine, "let it fall to 1e-6 by the last step (the paper holds it)");
+}
+
+void add_losses(CLI::App& command, learner::TrainOptions& o) {
   command.add_option("--render-weight", o.render_weight, "weight of the rendering loss")
       ->check(program::number_within(0, 1e6))
       ->capture_default_str();
@@ -103,6 +106,9 @@ void add_schedule(CLI::App& command, learner::TrainOptions& o) {
                    "roughness, specular and sss count alike, by absolute and squared difference");
   command.add_flag("--recolour", o.recolour,
                    "give half of the examples other colours (the paper does not): for few people");
+}
+
+void add_bookkeeping(CLI::App& command, learner::TrainOptions& o) {
   command.add_option("--checkpoint-every", o.checkpoint_every, "steps between checkpoints")
       ->check(program::whole_within(1, kMostSteps))
       ->capture_default_str();
@@ -133,6 +139,8 @@ void add_train_command(CLI::App& app, Commands& commands) {
   command->add_option("--priors", arguments->priors,
                       "finetune with --guidance priors: three runs or weights");
   add_schedule(*command, arguments->train);
+  add_losses(*command, arguments->train);
+  add_bookkeeping(*command, arguments->train);
   add_common_options(*command, commands.common);
   add_seed_option(*command, commands.common);
   command->footer(program::help_footer(
