@@ -79,17 +79,6 @@ struct StressOptions {
   bool without_cycles = false, without_heavy = false;
 };
 
-void print_stress(const std::vector<studies::StressCaseResult>& results, const fs::path& output) {
-  for (const studies::StressCaseResult& c : results) {
-    std::printf("%-24s %s\n", c.stress.name.c_str(),
-                c.passes() ? "within its limits" : "NOT WITHIN ITS LIMITS");
-    for (const studies::StressResult& r : c.results)
-      for (const std::string& failure : r.failures)
-        std::printf("    %s %g: %s\n", c.stress.parameter.c_str(), r.point.at, failure.c_str());
-  }
-  std::printf("%s\n", (output / "chart.svg").c_str());
-}
-
 int run_stress_chart(const StressOptions& options, const CommonOptions& common) {
   studies::StressSettings settings = options.settings;
   settings.threads = common.threads;
@@ -110,7 +99,7 @@ int run_stress_chart(const StressOptions& options, const CommonOptions& common) 
   if (common.json)
     std::printf("%s", studies::stress_json(results).c_str());
   else
-    print_stress(results, options.output);
+    studies::print_hard_cases(results, fs::path(options.output) / "chart.svg");
   for (const studies::StressCaseResult& c : results)
     if (!c.passes()) return kExitDifference;
   return 0;
@@ -149,21 +138,8 @@ void add_stress_chart(CLI::App& chart, Commands& commands) {
   });
 }
 
-}  // namespace
-
-void add_bake_chart(CLI::App& chart, Commands& commands);         // cmd_chart_bake.cpp
-void add_bake_stress_chart(CLI::App& chart, Commands& commands);  // cmd_chart_bake_stress.cpp
-
-void add_chart_command(CLI::App& app, Commands& commands) {
-  CLI::App* chart = app.add_subcommand("chart", "Charts of error against time, and of hard cases");
-  chart->require_subcommand(1);
-  chart->footer(
-      program::help_footer({"openhumanbrdf chart speed-accuracy --help",
-                            "openhumanbrdf chart speed-accuracy model --environment studio.exr -o chart"}));
-  add_stress_chart(*chart, commands);
-  add_bake_chart(*chart, commands);
-  add_bake_stress_chart(*chart, commands);
-  CLI::App* command = chart->add_subcommand("speed-accuracy", "Ours beside Cycles on one view of a model");
+void add_speed_chart(CLI::App& chart, Commands& commands) {
+  CLI::App* command = chart.add_subcommand("speed-accuracy", "Ours beside Cycles on one view of a model");
   auto options = std::make_shared<Options>();
   studies::SpeedAccuracySettings& settings = options->settings;
   command->add_option("MODEL", options->model, "folder that bake wrote")->required();
@@ -199,6 +175,23 @@ void add_chart_command(CLI::App& app, Commands& commands) {
   command->callback([options, &commands] {
     commands.run = [options, &commands] { return run_chart(*options, commands.common); };
   });
+}
+
+}  // namespace
+
+void add_bake_chart(CLI::App& chart, Commands& commands);         // cmd_chart_bake.cpp
+void add_bake_stress_chart(CLI::App& chart, Commands& commands);  // cmd_chart_bake_stress.cpp
+
+void add_chart_command(CLI::App& app, Commands& commands) {
+  CLI::App* chart = app.add_subcommand("chart", "Charts of error against time, and of hard cases");
+  chart->require_subcommand(1);
+  chart->footer(
+      program::help_footer({"openhumanbrdf chart speed-accuracy --help",
+                            "openhumanbrdf chart speed-accuracy model --environment studio.exr -o chart"}));
+  add_stress_chart(*chart, commands);
+  add_bake_chart(*chart, commands);
+  add_bake_stress_chart(*chart, commands);
+  add_speed_chart(*chart, commands);
 }
 
 }  // namespace ohb

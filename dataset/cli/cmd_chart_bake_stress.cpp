@@ -18,17 +18,6 @@ struct Options {
   std::string catalogue, only, output;
 };
 
-void print_stress(const std::vector<studies::BakeStressCaseResult>& results, const fs::path& output) {
-  for (const studies::BakeStressCaseResult& c : results) {
-    std::printf("%-28s %s\n", c.stress.name.c_str(),
-                c.passes() ? "within its limits" : "NOT WITHIN ITS LIMITS");
-    for (const studies::BakeStressResult& r : c.results)
-      for (const std::string& failure : r.failures)
-        std::printf("    %s %g: %s\n", c.stress.parameter.c_str(), r.point.at, failure.c_str());
-  }
-  std::printf("%s\n", (output / "chart.svg").c_str());
-}
-
 int run_stress_bake(const Options& options, const CommonOptions& common) {
   const fs::path file = options.catalogue.empty() ? program_file("assets/stress/bake_catalogue.json")
                                                   : fs::path(options.catalogue);
@@ -46,7 +35,7 @@ int run_stress_bake(const Options& options, const CommonOptions& common) {
   if (common.json)
     std::printf("%s", studies::bake_stress_json(results).c_str());
   else
-    print_stress(results, options.output);
+    studies::print_hard_cases(results, fs::path(options.output) / "chart.svg");
   for (const studies::BakeStressCaseResult& c : results)
     if (!c.passes()) return kExitDifference;
   return kExitDone;

@@ -152,11 +152,6 @@ void judge(BakeStressResult& result) {
 
 }  // namespace
 
-bool BakeStressCaseResult::passes() const {
-  return std::all_of(results.begin(), results.end(),
-                     [](const BakeStressResult& result) { return result.failures.empty(); });
-}
-
 std::vector<BakeStressCaseResult> run_bake_stress(const std::vector<BakeStressCase>& catalogue,
                                                   const std::string& only, const fs::path& scratch) {
   size_t count = 0;

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "dataset/studies/hard_cases.h"
+
 namespace ohb::studies {
 
 /// What one value of a case must keep; what is not set is not asked.
@@ -19,17 +21,8 @@ struct BakeStressAcceptance {
   std::string warned;      // words that a warning must hold; empty: not asked
 };
 
-struct BakeStressPoint {
-  double at = 0;
-  BakeStressAcceptance accept;
-  std::string why;  // the point's own acceptance, if it differs from its case's
-};
-
-struct BakeStressCase {
-  std::string name, scene, what, parameter, acceptable;
-  bool log_scale = false;
-  std::vector<BakeStressPoint> points;
-};
+using BakeStressPoint = HardPoint<BakeStressAcceptance>;
+using BakeStressCase = HardCase<BakeStressPoint>;
 
 /// Throws InputError with the case that is wrong.
 std::vector<BakeStressCase> read_bake_stress_catalogue(const std::filesystem::path& file);
@@ -43,11 +36,7 @@ struct BakeStressResult {
   std::vector<std::string> failures;  // what is not acceptable, with the figures
 };
 
-struct BakeStressCaseResult {
-  BakeStressCase stress;
-  std::vector<BakeStressResult> results;
-  bool passes() const;
-};
+using BakeStressCaseResult = HardCaseResult<BakeStressCase, BakeStressResult>;
 
 /// Bakes every point, or those of the case `only`. `scratch` is a folder for pictures.
 std::vector<BakeStressCaseResult> run_bake_stress(const std::vector<BakeStressCase>& catalogue,

@@ -1,4 +1,3 @@
-#include "dataset/model/json_catalogue.h"
 #include "dataset/studies/bake_stress.h"
 
 namespace ohb::studies {
@@ -30,31 +29,8 @@ BakeStressAcceptance acceptance_of(const json& from, BakeStressAcceptance base) 
   return base;
 }
 
-BakeStressPoint point_of(const json& from, const BakeStressAcceptance& base) {
-  BakeStressPoint point;
-  point.accept = base;
-  if (from.is_number()) {
-    point.at = from;
-    return point;
-  }
-  point.at = from.at("at");
-  point.accept = acceptance_of(from.at("accept"), base);
-  point.why = from.at("why");
-  return point;
-}
-
 BakeStressCase case_of(const json& from) {
-  BakeStressCase stress;
-  stress.name = from.at("name");
-  stress.scene = from.at("scene");
-  stress.what = from.at("what");
-  stress.parameter = from.at("parameter");
-  stress.acceptable = from.at("acceptable");
-  stress.log_scale = from.value("log", false);
-  const BakeStressAcceptance base = acceptance_of(from.at("accept"), {});
-  for (const json& point : from.at("points")) stress.points.push_back(point_of(point, base));
-  if (stress.points.empty()) throw InputError("", "points", "there are none", "give one at least");
-  return stress;
+  return read_hard_case<BakeStressPoint>(from, acceptance_of, [](const json&, BakeStressPoint&) {});
 }
 
 }  // namespace

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "dataset/model/json_text.h"
 #include "dataset/studies/bake_stress.h"
-#include "renderer/validation/gnuplot.h"
 
 namespace ohb::studies {
 namespace {
@@ -21,12 +19,9 @@ std::string joined(const std::vector<std::string>& words) {
 /// logarithmic axis has no 0: that point is drawn a decade below the smallest.
 std::string data_of(const BakeStressCaseResult& result, size_t number) {
   constexpr double kLeast = 1e-3;
-  double least = 1e300;
-  for (const BakeStressResult& r : result.results)
-    if (r.point.at > 0) least = std::min(least, r.point.at);
   std::string data = fmt::format("$c{} << EOD\n", number);
   for (const BakeStressResult& r : result.results) {
-    const double x = result.stress.log_scale && !(r.point.at > 0) ? least / 10 : r.point.at;
+    const double x = place_of(result, r.point.at);
     if (!r.refusal.empty())
       data += fmt::format("{:.6g} NaN NaN NaN {}\n", x, kLeast);
     else
@@ -41,14 +36,7 @@ std::string panel(const BakeStressCaseResult& result, size_t number) {
   const auto title = [&](const char* words) {
     return number == 0 ? validation::gnuplot_quoted(words) : "''";
   };
-  std::string script = result.stress.log_scale ? "set logscale x\nset format x '%g'\n"
-                                               : "unset logscale x\nset format x '%g'\n";
-  script += "set xlabel " + validation::gnuplot_quoted(result.stress.parameter) + " noenhanced\n";
-  script += fmt::format(
-      "set title {} noenhanced tc rgb '{}'\n",
-      validation::gnuplot_quoted(result.stress.name +
-                                 (result.passes() ? ": within its limits" : ": NOT WITHIN ITS LIMITS")),
-      result.passes() ? "#1a7f37" : "#c03030");
+  std::string script = panel_head(result, "%g");
   script += fmt::format(
       "plot $c{0} using 1:2 with linespoints pt 7 ps 0.7 lw 2 lc rgb '#1f5fbf' title {1}, "
       "$c{0} using 1:3 with linespoints pt 5 ps 0.6 lw 2 lc rgb '#b36b00' title {2}, "
@@ -74,31 +62,13 @@ std::string bake_stress_csv(const std::vector<BakeStressCaseResult>& results) {
 }
 
 std::string bake_stress_json(const std::vector<BakeStressCaseResult>& results) {
-  nlohmann::ordered_json json = {{"cases", nlohmann::ordered_json::array()}};
-  bool passes = true;
-  for (const BakeStressCaseResult& c : results) {
-    passes = passes && c.passes();
-    nlohmann::ordered_json points = nlohmann::ordered_json::array();
-    for (const BakeStressResult& r : c.results)
-      points.push_back({{"at", r.point.at},
-                        {"normal_deg", r.normal_deg},
-                        {"colour", r.colour},
-                        {"alpha", r.alpha},
-                        {"depth_cm", r.depth_cm},
-                        {"wrong", r.wrong},
-                        {"nonfinite", r.nonfinite},
-                        {"refusal", r.refusal},
-                        {"warnings", r.warnings},
-                        {"failures", r.failures}});
-    json["cases"].push_back({{"name", c.stress.name},
-                             {"what", c.stress.what},
-                             {"parameter", c.stress.parameter},
-                             {"acceptable", c.stress.acceptable},
-                             {"passes", c.passes()},
-                             {"points", points}});
-  }
-  json["passes"] = passes;
-  return json_text(json, 2) + "\n";
+  return hard_cases_json<nlohmann::ordered_json>(results, [](const BakeStressResult& r) {
+    return nlohmann::ordered_json{{"at", r.point.at},         {"normal_deg", r.normal_deg},
+                                  {"colour", r.colour},       {"alpha", r.alpha},
+                                  {"depth_cm", r.depth_cm},   {"wrong", r.wrong},
+                                  {"nonfinite", r.nonfinite}, {"refusal", r.refusal},
+                                  {"warnings", r.warnings},   {"failures", r.failures}};
+  });
 }
 
 void draw_bake_stress(const std::vector<BakeStressCaseResult>& results, const std::filesystem::path& folder) {

@@ -127,12 +127,6 @@ void judge(const StressResult& first, StressResult& result) {
 
 }  // namespace
 
-bool StressCaseResult::passes() const {
-  for (const StressResult& result : results)
-    if (!result.failures.empty()) return false;
-  return true;
-}
-
 std::vector<StressCaseResult> run_stress(const std::vector<StressCase>& catalogue,
                                          const StressSettings& settings,
                                          const std::filesystem::path& scratch) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dataset/model/blender.h"
+#include "dataset/studies/hard_cases.h"
 
 namespace ohb::studies {
 
@@ -19,19 +20,11 @@ struct StressAcceptance {
   bool nonfinite = false;  // contributions that are not finite may be counted; NaN pixels never
 };
 
-struct StressPoint {
-  double at = 0;
-  StressAcceptance accept;
-  std::string why;     // the point's own acceptance, if it differs from its case's
+struct StressPoint : HardPoint<StressAcceptance> {
   bool cycles = true;  // is rendered in Cycles too
   bool heavy = false;  // gigabytes or minutes: not in the short test
 };
-
-struct StressCase {
-  std::string name, scene, what, parameter, acceptable;
-  bool log_scale = false;
-  std::vector<StressPoint> points;
-};
+using StressCase = HardCase<StressPoint>;
 
 /// assets/stress/catalogue.json. Throws InputError with the case that is wrong.
 std::vector<StressCase> read_stress_catalogue(const std::filesystem::path& file);
@@ -60,11 +53,7 @@ struct StressResult {
   std::vector<std::string> failures;  // what is not acceptable, with the figures
 };
 
-struct StressCaseResult {
-  StressCase stress;
-  std::vector<StressResult> results;
-  bool passes() const;
-};
+using StressCaseResult = HardCaseResult<StressCase, StressResult>;
 
 /// Renders every point here and, if asked, in Cycles 3.4. Throws InputError if Blender is missing.
 std::vector<StressCaseResult> run_stress(const std::vector<StressCase>& catalogue,

@@ -1,4 +1,3 @@
-#include "dataset/model/json_catalogue.h"
 #include "dataset/studies/stress.h"
 
 namespace ohb::studies {
@@ -24,34 +23,11 @@ StressAcceptance acceptance_of(const json& from, StressAcceptance base) {
   return base;
 }
 
-StressPoint point_of(const json& from, const StressAcceptance& base) {
-  StressPoint point;
-  point.accept = base;
-  if (from.is_number()) {
-    point.at = from;
-    return point;
-  }
-  point.at = from.at("at");
-  point.cycles = from.value("in_cycles", true);
-  point.heavy = from.value("heavy", false);
-  if (!from.contains("accept")) return point;
-  point.accept = acceptance_of(from.at("accept"), base);
-  point.why = from.at("why");
-  return point;
-}
-
 StressCase case_of(const json& from) {
-  StressCase stress;
-  stress.name = from.at("name");
-  stress.scene = from.at("scene");
-  stress.what = from.at("what");
-  stress.parameter = from.at("parameter");
-  stress.acceptable = from.at("acceptable");
-  stress.log_scale = from.value("log", false);
-  const StressAcceptance base = acceptance_of(from.at("accept"), {});
-  for (const json& point : from.at("points")) stress.points.push_back(point_of(point, base));
-  if (stress.points.empty()) throw InputError("", "points", "there are none", "give one at least");
-  return stress;
+  return read_hard_case<StressPoint>(from, acceptance_of, [](const json& object, StressPoint& point) {
+    point.cycles = object.value("in_cycles", true);
+    point.heavy = object.value("heavy", false);
+  });
 }
 
 }  // namespace

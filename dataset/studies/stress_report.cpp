@@ -5,9 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "dataset/model/json_text.h"
 #include "dataset/studies/stress.h"
-#include "renderer/validation/gnuplot.h"
 
 namespace ohb::studies {
 namespace {
@@ -21,25 +19,21 @@ nlohmann::json side_json(const StressSide& side) {
 }
 
 /// Columns: x, brightness of ours and of Cycles over the first of ours with three standard errors, time a
-/// path of both. A logarithmic axis has no 0: it is drawn a decade below the smallest.
+/// path of both.
 std::string data_of(const StressCaseResult& result, size_t number) {
-  double least = 1e300;
-  for (const StressResult& r : result.results)
-    if (r.point.at > 0) least = std::min(least, r.point.at);
   const double first = result.results.empty() ? 1 : result.results.front().ours.mean;
   std::string data = fmt::format("$c{} << EOD\n", number);
   std::vector<StressResult> along_x = result.results;  // the catalogue begins with the harmless one
   std::stable_sort(along_x.begin(), along_x.end(),
                    [](const StressResult& a, const StressResult& b) { return a.point.at < b.point.at; });
   for (const StressResult& r : along_x) {
-    const double x = result.stress.log_scale && !(r.point.at > 0) ? least / 10 : r.point.at;
     const auto brightness = [&](const StressSide& side) {
       return side.is_there && std::isfinite(side.mean)
                  ? fmt::format("{:.6g} {:.6g}", side.mean / first, 3 * side.standard_error / first)
                  : std::string("NaN NaN");
     };
-    data += fmt::format("{:.6g} {} {} {:.6g} {}\n", x, brightness(r.ours), brightness(r.cycles),
-                        r.ours.cpu_us_a_path,
+    data += fmt::format("{:.6g} {} {} {:.6g} {}\n", place_of(result, r.point.at), brightness(r.ours),
+                        brightness(r.cycles), r.ours.cpu_us_a_path,
                         r.cycles.is_there ? fmt::format("{:.6g}", r.cycles.cpu_us_a_path) : "NaN");
   }
   return data + "EOD\n";
@@ -47,16 +41,8 @@ std::string data_of(const StressCaseResult& result, size_t number) {
 
 /// Brightness and time.
 std::array<std::string, 2> panels_of(const StressCaseResult& result, size_t number) {
-  const std::string x = result.stress.log_scale ? "set logscale x\nset format x '10^{%L}'\n"
-                                                : "unset logscale x\nset format x '%g'\n";
   std::string script =
-      x + "set xlabel " + validation::gnuplot_quoted(result.stress.parameter) + " noenhanced\n";
-  script += "unset logscale y\nset ylabel 'light, first of ours = 1'\n";
-  script += fmt::format(
-      "set title {} noenhanced tc rgb '{}'\n",
-      validation::gnuplot_quoted(result.stress.name +
-                                 (result.passes() ? ": within its limits" : ": NOT WITHIN ITS LIMITS")),
-      result.passes() ? "#1a7f37" : "#c03030");
+      panel_head(result, "10^{%L}") + "unset logscale y\nset ylabel 'light, first of ours = 1'\n";
   script += fmt::format(
       "plot $c{0} using 1:4:5 with yerrorlines pt 4 ps 1.2 lw 1 lc rgb '#c03030' title 'Cycles', $c{0} using "
       "1:2:3 "
@@ -95,28 +81,15 @@ std::string stress_csv(const std::vector<StressCaseResult>& results) {
 }
 
 std::string stress_json(const std::vector<StressCaseResult>& results) {
-  nlohmann::json json = {{"cases", nlohmann::json::array()}};
-  bool passes = true;
-  for (const StressCaseResult& c : results) {
-    passes = passes && c.passes();
-    nlohmann::json points = nlohmann::json::array();
-    for (const StressResult& r : c.results)
-      points.push_back({{"at", r.point.at},
-                        {"ours", side_json(r.ours)},
-                        {"cycles", side_json(r.cycles)},
-                        {"walk_leaks", r.leaks},
-                        {"nonfinite_a_path", r.nonfinite_share},
-                        {"nan_pixels", r.nan_pixels},
-                        {"failures", r.failures}});
-    json["cases"].push_back({{"name", c.stress.name},
-                             {"what", c.stress.what},
-                             {"parameter", c.stress.parameter},
-                             {"acceptable", c.stress.acceptable},
-                             {"passes", c.passes()},
-                             {"points", points}});
-  }
-  json["passes"] = passes;
-  return json_text(json, 2) + "\n";
+  return hard_cases_json<nlohmann::json>(results, [](const StressResult& r) {
+    return nlohmann::json{{"at", r.point.at},
+                          {"ours", side_json(r.ours)},
+                          {"cycles", side_json(r.cycles)},
+                          {"walk_leaks", r.leaks},
+                          {"nonfinite_a_path", r.nonfinite_share},
+                          {"nan_pixels", r.nan_pixels},
+                          {"failures", r.failures}};
+  });
 }
 
 void draw_stress(const std::vector<StressCaseResult>& results, const std::filesystem::path& folder) {

@@ -11,7 +11,7 @@ import structure
 
 ROOT = Path(sys.argv.pop(1)).resolve() if len(sys.argv) > 1 else Path(__file__).resolve().parents[2]
 HEAD = "| folder | holds | uses |\n|---|---|---|\n"
-MOST_LONG_FUNCTIONS = 25    # above 40 lines: to become fewer
+MOST_LONG_FUNCTIONS = 8    # above 40 lines: to become fewer
 
 
 class Tree(unittest.TestCase):
