@@ -36,17 +36,20 @@ TEST(Counts, OfAnySizeFollowFromTwoSmallRuns) {
   EXPECT_EQ(multiplies_at(run, 128), count_multiplies([&] { run(128); }));
 }
 
-// docs/learner.md reads the paper's prior as 15.9 M parameters and 179 G multiplies at 512 x 512.
+// The paper names no sizes: its figure and training times were read as 15.9 M parameters and 179 G multiplies
+// of a prior at 512 x 512, and 36.5 M and 586 G of the finetuning model. Ours has 16.44 M, 173.9 G, 36.24 M
+// and 563.9 G (exact counts, no noise): 3.4, 2.8, 0.7 and 3.8 % apart, and no further.
+constexpr double kReadingError = 0.04;
+
 TEST(PriorNet, HasThePapersSize) {
   PriorNet net(4, 1.0);
   const int64_t multiplies = multiplies_at([&](int64_t size) { net(torch::zeros({1, 4, size, size})); }, 512);
   std::printf("prior: %.2f M parameters, %.1f G multiplies at 512\n", parameter_count(*net) / 1e6,
               multiplies / 1e9);
-  EXPECT_NEAR(static_cast<double>(parameter_count(*net)), 15.9e6, 1.59e6);
-  EXPECT_NEAR(static_cast<double>(multiplies), 179e9, 17.9e9);
+  EXPECT_NEAR(static_cast<double>(parameter_count(*net)), 15.9e6, kReadingError * 15.9e6);
+  EXPECT_NEAR(static_cast<double>(multiplies), 179e9, kReadingError * 179e9);
 }
 
-// ... and the finetuning model as 36.5 M and 586 G.
 TEST(FinetuneNet, HasThePapersSize) {
   FinetuneNet net(1.0);
   const auto run = [&](int64_t size) {
@@ -55,8 +58,8 @@ TEST(FinetuneNet, HasThePapersSize) {
   const int64_t multiplies = multiplies_at(run, 512);
   std::printf("finetune: %.2f M parameters, %.1f G multiplies at 512\n", parameter_count(*net) / 1e6,
               multiplies / 1e9);
-  EXPECT_NEAR(static_cast<double>(parameter_count(*net)), 36.5e6, 3.65e6);
-  EXPECT_NEAR(static_cast<double>(multiplies), 586e9, 58.6e9);
+  EXPECT_NEAR(static_cast<double>(parameter_count(*net)), 36.5e6, kReadingError * 36.5e6);
+  EXPECT_NEAR(static_cast<double>(multiplies), 586e9, kReadingError * 586e9);
 }
 
 TEST(Networks, TakeAnyMultipleOfSixteenAndAnyWidth) {
