@@ -7,7 +7,7 @@
     data/       the table of materials and the presets of edits
 
 One package for both kinds of installation: bl_info for Blender before 4.2, blender_manifest.toml from there.
-Pure Python 3.10, no NumPy.
+Pure Python 3.10; NumPy makes large maps quicker where it is there.
 """
 bl_info = {
     "name": "Human Material",
