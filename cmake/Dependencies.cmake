@@ -28,6 +28,9 @@ find_library(OHB_OPENCV_CORE opencv_core REQUIRED)
 add_library(ohb_max_flow INTERFACE)
 target_include_directories(ohb_max_flow SYSTEM INTERFACE ${OHB_OPENCV_INCLUDES})
 target_link_libraries(ohb_max_flow INTERFACE ${OHB_OPENCV_CORE})
+# What finds the person in a photograph (learner/matting.cpp); used where the learner is built.
+find_library(OHB_OPENCV_IMGPROC opencv_imgproc)
+find_library(OHB_OPENCV_DNN opencv_dnn)
 # Names of files as other machines write them (no CMake configuration in Debian 12).
 find_path(OHB_UTF8PROC_INCLUDES utf8proc.h REQUIRED)
 find_library(OHB_UTF8PROC utf8proc REQUIRED)

@@ -109,25 +109,37 @@ nlohmann::json maps_json(const EstimateOptions& options, const EstimateReport& r
             {"finetuned", report.finetuned}}}};
 }
 
+/// The mask or alpha that was given, or else what matting finds.
+Image mask_for(const Photo& photo, const EstimateOptions& options, int& people) {
+  if (options.mask || has_cutout(photo)) return mask_of(photo, options.photo, options.mask);
+  Matte matte = find_person(photo, options.photo, options.matting);
+  people = matte.people;
+  return std::move(matte.mask);
+}
+
 }  // namespace
 
 EstimateReport estimate(const EstimateOptions& options) {
   if (!(options.person_height_cm > 0 && options.person_height_cm < 1e4))
     throw InputError("", "--height", "is not a length above 0 cm", "give the person's height");
-  const Photo photo = read_photo(options.photo);
-  const Image mask = mask_of(photo, options.photo, options.mask);
+  Photo photo = read_photo(options.photo);
+  int people = 0;
+  const Image mask = mask_for(photo, options, people);
+  keep_foreground_colours(photo, mask);
   const Estimator estimator(options.weights);
   EstimateReport report;
   report.size_px = options.size_px > 0 ? options.size_px : estimator.header().at("size_px").get<int>();
   if (report.size_px % kResolutionStep != 0 || report.size_px > 4096)
     throw InputError("", "--size " + std::to_string(report.size_px), "is no multiple of 16 up to 4096",
                      "give another");
+  report.people = people;
   report.crop = crop_around(mask);
   report.finetuned = estimator.has_finetune();
   const Foreground foreground = foreground_of(photo, mask, report.crop, report.size_px);
   std::vector<fs::path> inputs = options.weights;
   inputs.push_back(options.photo);
   if (options.mask) inputs.push_back(*options.mask);
+  if (options.matting.network) inputs.push_back(*options.matting.network);
   AtomicFolder folder(options.output, "maps", inputs);
   const auto start = std::chrono::steady_clock::now();
   const MaterialMaps maps = on_black(estimator.estimate(foreground.input), foreground.mask);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "learner/estimator.h"
+#include "learner/matting.h"
 #include "learner/photo.h"
 
 namespace ohb::learner {
@@ -13,6 +14,7 @@ namespace ohb::learner {
 struct EstimateOptions {
   std::filesystem::path photo;
   std::optional<std::filesystem::path> mask;
+  MattingOptions matting;                      // where there is neither a mask nor an alpha
   std::vector<std::filesystem::path> weights;  // files or runs: three priors, finetune or not
   std::filesystem::path output;                // folder, written whole or not at all
   int size_px = 0;                             // 0: as trained
@@ -23,6 +25,7 @@ struct EstimateReport {
   Crop crop;
   int size_px = 0;
   bool finetuned = false;
+  int people = 0;      // found by matting; 0: the mask was given
   double seconds = 0;  // of the networks
 };
 

@@ -1,6 +1,7 @@
 #include "learner/fused_loss.h"
 
 #include <ATen/Parallel.h>
+#include <ATen/record_function.h>
 
 #include <array>
 #include <cmath>
@@ -160,6 +161,7 @@ Tensor fused_rendering_loss(const MaterialMaps& prediction, const MaterialMaps& 
   if (truth.normal.scalar_type() != prediction.normal.scalar_type())
     throw std::invalid_argument("truth and prediction differ in type");
   const std::array<Tensor, kMapCount> maps = tensors_of(prediction);
+  RECORD_USER_SCOPE("rendering loss");
   return FusedLoss::apply(at::TensorList(maps), truth, mask, Setting{lights, options});
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "learner/norm_silu.h"
+
 namespace ohb::learner {
 namespace {
 
@@ -74,9 +76,9 @@ ConvBlockImpl::ConvBlockImpl(int64_t in, int64_t out, Scale block_scale)
       norm(register_module("norm", group_norm(out))) {}
 
 Tensor ConvBlockImpl::forward(Tensor x) {
-  x = mix(x);
+  x = pointwise(x, mix->weight, mix->bias);
   if (scale == Scale::kUp) x = doubled(x);
-  return torch::silu(norm(conv(x)));
+  return norm_silu(conv(x), norm->options.num_groups(), norm->weight, norm->bias, norm->options.eps());
 }
 
 GuidanceEncoderImpl::GuidanceEncoderImpl(int64_t in, double width) {
@@ -141,7 +143,7 @@ Tensor FusionBlockImpl::forward(Tensor latent, const std::vector<Tensor>& guidan
   const std::vector<Tensor> parts = self_in_(norm_self_(x)).chunk(3, 2);
   x = x + self_out_(attend(parts[0].contiguous(), parts[1].contiguous(), parts[2].contiguous()));
   x = x + mlp_out_(torch::gelu(mlp_in_(norm_mlp_(x))));
-  return x.transpose(1, 2).reshape({batch, channels, height, width});
+  return x.view({batch, height, width, channels}).permute({0, 3, 1, 2});  // channels last
 }
 
 LatentEncoderImpl::LatentEncoderImpl(int64_t in, double width) {
@@ -154,7 +156,7 @@ LatentEncoderImpl::LatentEncoderImpl(int64_t in, double width) {
 
 std::array<Tensor, 5> LatentEncoderImpl::forward(Tensor x) {
   std::array<Tensor, 5> features;
-  features[0] = stem(x);
+  features[0] = pointwise(x, stem->weight, stem->bias);
   for (int i = 0; i < 4; ++i) features[i + 1] = down[i](features[i]);
   return features;
 }
@@ -181,9 +183,10 @@ Tensor DecoderImpl::forward(Tensor x, const std::array<Tensor, 5>& skips,
     x = up[i](x);
     x = i < 3 ? torch::cat({x, skips[3 - i], guidance[2 - i]}, 1) : torch::cat({x, skips[0]}, 1);
   }
-  x = merge(x);
+  x = pointwise(x, merge->weight, merge->bias);
   for (int i = 0; i < 6; i += 2) x = x + refine[i + 1](torch::silu(refine[i](x)));
-  return torch::sigmoid(output(torch::silu(hidden(x))));
+  x = torch::silu(pointwise(x, hidden->weight, hidden->bias));
+  return torch::sigmoid(pointwise(x, output->weight, output->bias));
 }
 
 PriorNetImpl::PriorNetImpl(int64_t out, double width)
@@ -195,6 +198,7 @@ PriorNetImpl::PriorNetImpl(int64_t out, double width)
 
 Tensor PriorNetImpl::forward(Tensor input) {
   check_input(input, 4);
+  input = input.contiguous(torch::MemoryFormat::ChannelsLast);
   const std::array<Tensor, 5> features = encoder(input);
   const std::array<Tensor, 3> hints = guidance(input);
   return decoder(fusion(features[4], std::vector<Tensor>{hints[2]}), features, hints);
@@ -215,9 +219,11 @@ FinetuneNetImpl::FinetuneNetImpl(double width)
 Tensor FinetuneNetImpl::forward(Tensor input, Tensor maps) {
   check_input(input, 4);
   check_input(maps, 7 + rss_channels());
+  input = input.contiguous(torch::MemoryFormat::ChannelsLast);
   const Tensor mask = input.slice(1, 3, 4);
   // The background of the maps means nothing: it is set to the middle.
-  const Tensor signed_maps = (2 * maps - 1) * (0.5 * (mask + 1));
+  const Tensor signed_maps =
+      ((2 * maps - 1) * (0.5 * (mask + 1))).contiguous(torch::MemoryFormat::ChannelsLast);
   const std::array<Tensor, 5> features = encoder(input);
   std::array<std::array<Tensor, 3>, 4> hints;
   std::vector<Tensor> tokens;

@@ -132,6 +132,11 @@ Photo read_photo(const fs::path& file) {
   return photo;
 }
 
+bool has_cutout(const Photo& photo) {
+  const auto& alpha = photo.alpha.values;
+  return std::any_of(alpha.begin(), alpha.end(), [](float a) { return a < 1; });
+}
+
 Image mask_of(const Photo& photo, const fs::path& photo_file, const std::optional<fs::path>& mask_file) {
   const Image mask = mask_file ? read_mask(*mask_file) : photo.alpha;
   const fs::path& file = mask_file ? *mask_file : photo_file;

@@ -21,6 +21,9 @@ struct Photo {
 /// infinite values.
 Photo read_photo(const std::filesystem::path& file);
 
+/// Whether the photo's own alpha cuts something out: it has one that is not opaque everywhere.
+bool has_cutout(const Photo& photo);
+
 /// Coverage of the person, of the photo's size: `mask_file` (its alpha if it has one that is not 1
 /// everywhere, else its brightness), or else the photo's alpha. Throws InputError: neither is there, another
 /// size, nothing covered, all covered, or the surroundings covered and the person not (inverted).

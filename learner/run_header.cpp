@@ -46,6 +46,7 @@ json run_header(const TrainOptions& o, const Dataset& dataset, const Split& spli
   if (o.guidance == Guidance::kPriors) header["priors"] = identity_of_priors(o.priors);
   if (o.recolour) header["recolour"] = true;
   if (o.balanced) header["balanced"] = true;
+  if (o.snapshots) header["snapshots"] = true;
   // The schedule depends on the number of steps.
   if (o.cosine || o.warmup * 10 > steps) header["schedule_steps"] = steps;
   return header;
@@ -53,7 +54,7 @@ json run_header(const TrainOptions& o, const Dataset& dataset, const Split& spli
 
 void check_same_run(const json& before, const json& now, const fs::path& file) {
   json wanted = now;
-  for (const char* only_where_it_matters : {"schedule_steps", "recolour", "balanced"})
+  for (const char* only_where_it_matters : {"schedule_steps", "recolour", "balanced", "snapshots"})
     if (before.contains(only_where_it_matters) && !now.contains(only_where_it_matters))
       wanted[only_where_it_matters] = nullptr;
   // Runs of versions before these were noted cannot be told apart by them.

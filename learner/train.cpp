@@ -1,8 +1,11 @@
 #include "learner/train.h"
 
+#include <ATen/record_function.h>
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 
 #include <cmath>
+#include <limits>
 #include <thread>
 
 #include "dataset/model/atomic_file.h"
@@ -15,6 +18,7 @@
 #include "learner/recolour.h"
 #include "learner/run_header.h"
 #include "learner/run_log.h"
+#include "learner/snapshot.h"
 
 namespace ohb::learner {
 namespace fs = std::filesystem;
@@ -23,7 +27,7 @@ namespace {
 using nlohmann::json;
 using torch::Tensor;
 
-enum Purpose : uint64_t { kLightPlace = 3, kMirror = 4, kRecolour = 5 };
+enum Purpose : uint64_t { kLightPlace = 3, kMirror = 4, kRecolour = 5, kSnapshot = 6 };
 constexpr double kGrace_s = 6;  // for the step under way, so that it can be saved
 constexpr int64_t kMaxSkippedInARow = 10;
 constexpr double kFinalRate = 1e-6;
@@ -44,10 +48,11 @@ void mirror(Example& e) {
 
 /// Keys of what is done to examples; 0: nothing.
 struct Augmentation {
-  uint64_t mirror_key = 0, recolour_key = 0;
+  uint64_t mirror_key = 0, recolour_key = 0, snapshot_key = 0;
 };
 
-/// Half of the examples are mirrored, another half recoloured: which ones is a function of key and position.
+/// Half of the examples are mirrored, another half recoloured, all taken by a camera: which ones and how is a
+/// function of key and position.
 Batch next_batch(Loader& loader, int size, const Augmentation& augmentation, uint64_t first_position) {
   std::vector<Example> examples;
   for (int i = 0; i < size; ++i) {
@@ -57,6 +62,8 @@ Batch next_batch(Loader& loader, int size, const Augmentation& augmentation, uin
       mirror(examples.back());
     if (augmentation.recolour_key != 0 && uniform_of(augmentation.recolour_key, position) < 0.5)
       recolour(examples.back(), key_of({augmentation.recolour_key, position}));
+    if (augmentation.snapshot_key != 0)
+      take_snapshot(examples.back(), key_of({augmentation.snapshot_key, position}));
   }
   const auto joined = [&](auto member) {
     std::vector<Tensor> parts;
@@ -174,6 +181,7 @@ Step Trainer::step(const Batch& batch, int64_t number) {
   Step result{losses.total.item<double>(), losses.map.item<double>(), losses.render.item<double>(), 0};
   if (!std::isfinite(result.total)) return result;
   losses.total.backward();
+  RECORD_USER_SCOPE("optimiser");
   result.gradient_norm = optimiser_.clip_gradients(options_.clip);
   if (result.finite()) optimiser_.update(learning_rate_at(options_, number, steps_), number);
   return result;
@@ -228,12 +236,15 @@ TrainReport Trainer::run() {
   Loader loader(views_, {options_.size_px, options_.seed, static_cast<uint64_t>(first_step_ * options_.batch),
                          options_.loader_threads, 4 * options_.batch});
   const Augmentation augmentation{options_.mirror ? key_of({options_.seed, kMirror}) : 0,
-                                  options_.recolour ? key_of({options_.seed, kRecolour}) : 0};
+                                  options_.recolour ? key_of({options_.seed, kRecolour}) : 0,
+                                  options_.snapshots ? key_of({options_.seed, kSnapshot}) : 0};
   TrainProgress progress(first_step_, steps_, options_.quiet);
   const int64_t tenth = std::max<int64_t>(1, (steps_ - first_step_) / 10);
   Means logged, first, last;
   int64_t in_a_row = 0;
+  std::unique_ptr<StepProfile> profile;  // the first step, which makes threads and buffers, is left out
   for (int64_t number = first_step_ + 1; number <= steps_; ++number) {
+    if (options_.profile && number == first_step_ + 2) profile = std::make_unique<StepProfile>();
     const Batch batch = next_batch(loader, options_.batch, augmentation,
                                    static_cast<uint64_t>((number - 1) * options_.batch));
     const Step result = step(batch, number);
@@ -258,6 +269,7 @@ TrainReport Trainer::run() {
     if (number == steps_ || number % options_.checkpoint_every == 0) save(number);
     if (number < steps_) stop_if_interrupted(number, log);
   }
+  if (profile) report.profile = profile->lines();
   report.seconds = progress.seconds();
   report.data_wait_s = loader.waited_s();
   report.first_loss = first.mean(first.total);
@@ -294,8 +306,16 @@ double learning_rate_at(const TrainOptions& o, int64_t step, int64_t steps) {
   return kFinalRate + (o.learning_rate - kFinalRate) * 0.5 * (1 + std::cos(share * shading::kPi));
 }
 
+/// Each step asks for the same blocks again: what is freed stays with the process, since giving it back to
+/// the system and getting it zeroed anew takes a tenth of a step.
+void keep_freed_memory() {
+  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the most that glibc takes
+  ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+}
+
 TrainReport train(const TrainOptions& options) {
   check_train_options(options);
+  keep_freed_memory();
   const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
   torch::set_num_threads(options.threads > 0 ? options.threads : static_cast<int>(processors));
   return Trainer(options).run();

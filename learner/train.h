@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "learner/checkpoint.h"
+#include "learner/profile.h"
 #include "learner/task.h"
 
 namespace ohb::learner {
@@ -36,13 +37,15 @@ struct TrainOptions {
   bool mirror = false;         // half of the examples with left and right exchanged (not in the paper)
   bool balanced = false;       // see losses_of
   bool recolour = false;       // half of the examples with other colours (not in the paper)
+  bool snapshots = false;      // pictures as cameras and matting give them (not in the paper)
   Guidance guidance = Guidance::kTruth;
   std::vector<std::filesystem::path> priors;  // three of them for Guidance::kPriors
   uint64_t seed = 1;
   int threads = 0, loader_threads = 1;  // 0: all processors
   int64_t checkpoint_every = 500, log_every = 10;
-  int keep = 2;        // checkpoints
-  bool quiet = false;  // no progress line
+  int keep = 2;          // checkpoints
+  bool quiet = false;    // no progress line
+  bool profile = false;  // say what the steps' time went to
 };
 
 struct TrainReport {
@@ -50,6 +53,7 @@ struct TrainReport {
   double first_loss = 0, last_loss = 0;  // means over the first and the last tenth of this call's steps
   double seconds = 0, data_wait_s = 0;
   std::filesystem::path weights;
+  std::vector<ProfileLine> profile;  // of this call's steps but the first, if asked for
 };
 
 /// Trains until the last step and writes RUN/weights.safetensors; on the way RUN/step_*.safetensors and

@@ -52,17 +52,19 @@ int run_train(Arguments arguments, const CommonOptions& common) {
   const int64_t done = report.steps - report.first_step;
   const double wait = report.seconds > 0 ? report.data_wait_s / report.seconds : 0;
   if (common.json) {
-    const nlohmann::json json = {{"weights", report.weights.string()},
-                                 {"first_step", report.first_step},
-                                 {"steps", report.steps},
-                                 {"skipped", report.skipped},
-                                 {"first_loss", report.first_loss},
-                                 {"last_loss", report.last_loss},
-                                 {"seconds", report.seconds},
-                                 {"data_wait_share", wait}};
+    nlohmann::json json = {{"weights", report.weights.string()},
+                           {"first_step", report.first_step},
+                           {"steps", report.steps},
+                           {"skipped", report.skipped},
+                           {"first_loss", report.first_loss},
+                           {"last_loss", report.last_loss},
+                           {"seconds", report.seconds},
+                           {"data_wait_share", wait}};
+    if (o.profile) json["profile"] = json_of(report.profile);
     std::printf("%s\n", json_text(json, 2).c_str());
     return 0;
   }
+  if (o.profile) std::printf("%s", table_of(report.profile, done - 1).c_str());
   std::printf("%s: %lld steps in %.1f s (%.1f %% waiting for data), loss %.4f at first, %.4f at last\n",
               report.weights.c_str(), static_cast<long long>(done), report.seconds, 100 * wait,
               report.first_loss, report.last_loss);
@@ -106,6 +108,8 @@ void add_losses(CLI::App& command, learner::TrainOptions& o) {
                    "roughness, specular and sss count alike, by absolute and squared difference");
   command.add_flag("--recolour", o.recolour,
                    "give half of the examples other colours (the paper does not): for few people");
+  command.add_flag("--snapshots", o.snapshots,
+                   "exposure, white balance, tones, blur, noise and mattes as photographs have them");
 }
 
 void add_bookkeeping(CLI::App& command, learner::TrainOptions& o) {
@@ -115,6 +119,7 @@ void add_bookkeeping(CLI::App& command, learner::TrainOptions& o) {
   command.add_option("--log-every", o.log_every, "steps between log lines")
       ->check(program::whole_within(1, kMostSteps))
       ->capture_default_str();
+  command.add_flag("--profile", o.profile, "say at the end what a step's time went to");
   command.add_option("--loader-threads", o.loader_threads, "threads that read samples")
       ->check(program::whole_within(1, 256))
       ->capture_default_str();

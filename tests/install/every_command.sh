@@ -62,7 +62,6 @@ if [ -x "$prefix/bin/humanmaterial" ]; then
   fi
 fi
 answers "0" python3 "$share/blender_addon/tools/build_zip.py" -o human_material.zip
-answers "0 2" "$share/assets/make_open_dataset.sh" --help
 answers "0 2" "$share/assets/train_open_weights.sh" --help
 installed | diff installed.txt - || { echo "the commands changed $share" >&2; exit 1; }
 echo "every command answers"

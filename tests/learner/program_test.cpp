@@ -89,5 +89,21 @@ TEST(Program, TerminationSavesAndResumeGoesOnBitForBit) {
   EXPECT_EQ(read_file(folder / "run" / kWeightsName), read_file(folder / "stopped" / kWeightsName));
 }
 
+// OpenBLAS says on stderr which processor's kernels it takes, if OPENBLAS_VERBOSE is set: once for each
+// start.
+TEST(Program, MatrixProductsRunOnWhatTheProcessorHas) {
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) GTEST_SKIP() << "an old processor";
+  const TemporaryFolder folder;
+  ::setenv("OPENBLAS_VERBOSE", "2", 1);
+  const Result result = run(folder, {"--version"});
+  ::unsetenv("OPENBLAS_VERBOSE");
+  EXPECT_EQ(result.code, 0);
+  const size_t last = result.error.rfind("Core: ");
+  if (last == std::string::npos) GTEST_SKIP() << "the matrix library is not OpenBLAS";
+  const std::string core = result.error.substr(last + 6);
+  for (const char* without_avx : {"Prescott", "Core2", "Penryn", "Dunnington", "Nehalem", "Atom"})
+    EXPECT_NE(core.rfind(without_avx, 0), 0u) << result.error;
+}
+
 }  // namespace
 }  // namespace ohb

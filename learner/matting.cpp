@@ -1,0 +1,236 @@
+#include "learner/matting.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/dnn.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "dataset/model/colour.h"
+#include "dataset/model/error.h"
+
+namespace ohb::learner {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int kNetwork_px = 256;
+constexpr int kGrabCut_px = 384;
+constexpr double kSmallestShare = 0.003;  // of the picture: less is no person
+constexpr double kMargin = 0.2;           // around the first pass's box, of its longer side
+
+/// sRGB-encoded, RGB, three floats a pixel.
+cv::Mat encoded(const Image& linear) {
+  cv::Mat picture(linear.height_px, linear.width_px, CV_32FC3);
+  for (int y = 0; y < linear.height_px; ++y)
+    for (int x = 0; x < linear.width_px; ++x)
+      for (int c = 0; c < 3; ++c)
+        picture.at<cv::Vec3f>(y, x)[c] = linear_to_srgb(std::clamp(linear.pixel(x, y)[c], 0.0f, 1.0f));
+  return picture;
+}
+
+/// OpenCV's words in one line.
+std::string words_of(const cv::Exception& error, const std::string& otherwise) {
+  std::string words = error.err.empty() ? otherwise : error.err;
+  std::replace(words.begin(), words.end(), '\n', ' ');
+  return words.substr(words.find_first_not_of("> ") == std::string::npos ? 0 : words.find_first_not_of("> "));
+}
+
+[[noreturn]] void throw_no_network(const fs::path& file, const std::string& cause) {
+  throw InputError(file.string(), "", "is no matting network that can be used: " + cause,
+                   "give an ONNX file that takes 1 x 3 x 256 x 256 and gives one plane of that size");
+}
+
+/// The probability of "person" from an ONNX network.
+class Network {
+ public:
+  explicit Network(const fs::path& file) : file_(file) {
+    if (!fs::is_regular_file(file)) throw_no_network(file, "there is no such file");
+    // Its words come with the exception; on stderr they would come twice.
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    try {
+      net_ = cv::dnn::readNetFromONNX(file.string());
+    } catch (const cv::Exception& error) {
+      throw_no_network(file, words_of(error, "it cannot be read"));
+    }
+    if (net_.empty()) throw_no_network(file, "it is empty");
+  }
+
+  /// Of the size of `picture`, which is stretched to the network's.
+  cv::Mat probability(const cv::Mat& picture) {
+    cv::Mat out;
+    try {
+      net_.setInput(cv::dnn::blobFromImage(picture, 1, cv::Size(kNetwork_px, kNetwork_px)));
+      out = net_.forward();
+    } catch (const cv::Exception& error) {
+      throw_no_network(file_, words_of(error, "it fails on a picture"));
+    }
+    if (out.dims != 4 || out.size[0] != 1 || out.size[1] != 1 || out.size[2] != kNetwork_px ||
+        out.size[3] != kNetwork_px || out.type() != CV_32F)
+      throw_no_network(file_, "its output is not one plane of 256 x 256");
+    cv::Mat plane(kNetwork_px, kNetwork_px, CV_32F, out.ptr<float>()), resized;
+    if (!cv::checkRange(plane)) throw_no_network(file_, "it puts out NaN");
+    cv::resize(plane, resized, picture.size(), 0, 0, cv::INTER_LINEAR);
+    return cv::max(cv::min(resized, 1.0), 0.0);
+  }
+
+ private:
+  fs::path file_;
+  cv::dnn::Net net_;
+};
+
+/// What differs from the borders, at a moderate size.
+cv::Mat by_grab_cut(const cv::Mat& picture) {
+  const double scale = std::min(1.0, kGrabCut_px / static_cast<double>(std::max(picture.rows, picture.cols)));
+  cv::Mat small, bytes, labels, background, foreground;
+  cv::resize(picture, small, cv::Size(), scale, scale, cv::INTER_AREA);
+  small.convertTo(bytes, CV_8UC3, 255);
+  cv::setRNGSeed(1);
+  const int x = std::max(1, bytes.cols / 20), y = std::max(1, bytes.rows / 50);
+  cv::grabCut(bytes, labels, cv::Rect(x, y, bytes.cols - 2 * x, bytes.rows - 2 * y), background, foreground,
+              6, cv::GC_INIT_WITH_RECT);
+  cv::Mat mask = (labels & 1), floats, resized;
+  mask.convertTo(floats, CV_32F);
+  cv::resize(floats, resized, picture.size(), 0, 0, cv::INTER_LINEAR);
+  return resized;
+}
+
+/// Regions with probability above a half, by area, largest first; `labels` names them by their rank from 1.
+std::vector<cv::Rect> regions_of(const cv::Mat& probability, cv::Mat& labels) {
+  cv::Mat found, statistics, centres;
+  const int count =
+      cv::connectedComponentsWithStats(probability > 0.5, found, statistics, centres, 8, CV_32S);
+  std::vector<int> order;
+  const double least = kSmallestShare * static_cast<double>(probability.total());
+  for (int i = 1; i < count; ++i)
+    if (statistics.at<int>(i, cv::CC_STAT_AREA) >= least) order.push_back(i);
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    const int area_a = statistics.at<int>(a, cv::CC_STAT_AREA),
+              area_b = statistics.at<int>(b, cv::CC_STAT_AREA);
+    return area_a != area_b ? area_a > area_b : a < b;
+  });
+  labels = cv::Mat::zeros(probability.size(), CV_32S);
+  std::vector<cv::Rect> boxes;
+  for (const int i : order) {
+    labels.setTo(static_cast<int>(boxes.size()) + 1, found == i);
+    boxes.emplace_back(statistics.at<int>(i, cv::CC_STAT_LEFT), statistics.at<int>(i, cv::CC_STAT_TOP),
+                       statistics.at<int>(i, cv::CC_STAT_WIDTH), statistics.at<int>(i, cv::CC_STAT_HEIGHT));
+  }
+  return boxes;
+}
+
+/// The box with a margin, within the picture.
+cv::Rect surroundings(const cv::Rect& box, const cv::Size& size) {
+  const int margin = static_cast<int>(std::lround(kMargin * std::max(box.width, box.height)));
+  return cv::Rect(box.x - margin, box.y - margin, box.width + 2 * margin, box.height + 2 * margin) &
+         cv::Rect(cv::Point(0, 0), size);
+}
+
+/// The guided filter of a mask by a picture in grey: within each window the mask is a line in the grey value.
+cv::Mat guided(const cv::Mat& grey, const cv::Mat& mask, int radius_px, double epsilon) {
+  const cv::Size window(2 * radius_px + 1, 2 * radius_px + 1);
+  const auto mean = [&](const cv::Mat& x) {
+    cv::Mat out;
+    cv::boxFilter(x, out, CV_32F, window);
+    return out;
+  };
+  const cv::Mat grey_mean = mean(grey), mask_mean = mean(mask);
+  const cv::Mat covariance = mean(grey.mul(mask)) - grey_mean.mul(mask_mean);
+  const cv::Mat variance = mean(grey.mul(grey)) - grey_mean.mul(grey_mean);
+  cv::Mat slope;
+  cv::divide(covariance, variance + epsilon, slope);
+  const cv::Mat level = mask_mean - slope.mul(grey_mean);
+  return mean(slope).mul(grey) + mean(level);
+}
+
+/// A coarse mask with its edge on the picture's; far from the edge it is 0 or 1.
+cv::Mat refined(const cv::Mat& picture, const cv::Mat& coarse, int side_px) {
+  cv::Mat grey;
+  cv::cvtColor(picture, grey, cv::COLOR_RGB2GRAY);
+  const int radius = std::max(2, side_px / 60);
+  cv::Mat soft = guided(grey, coarse, radius, 1e-4);
+  // What lies between 0.1 and 0.9 becomes the edge's width; less is noise of the background's texture.
+  soft = cv::max(cv::min((soft - 0.1) / 0.8, 1.0), 0.0);
+  cv::Mat core, around;
+  const cv::Mat kernel =
+      cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(2 * radius + 1, 2 * radius + 1));
+  cv::erode(coarse > 0.5, core, kernel);
+  cv::dilate(coarse > 0.5, around, kernel);
+  soft.setTo(1, core);
+  soft.setTo(0, around == 0);
+  return soft;
+}
+
+Image image_of(const cv::Mat& plane) {
+  Image image(plane.cols, plane.rows, 1);
+  for (int y = 0; y < plane.rows; ++y)
+    std::copy(plane.ptr<float>(y), plane.ptr<float>(y) + plane.cols, image.pixel(0, y));
+  return image;
+}
+
+}  // namespace
+
+Matte find_person(const Photo& photo, const fs::path& photo_file, const MattingOptions& options) {
+  const cv::Mat picture = encoded(photo.linear);
+  std::optional<Network> network;
+  if (options.network) network.emplace(*options.network);
+  cv::Mat probability = network ? network->probability(picture) : by_grab_cut(picture);
+  if (!network)
+    spdlog::warn(
+        "{}: has no alpha, and there is no --mask and no --matting: what differs from the picture's borders "
+        "is "
+        "taken for the person; look at mask.png",
+        photo_file.string());
+  cv::Mat labels;
+  const std::vector<cv::Rect> boxes = regions_of(probability, labels);
+  const std::string cutout = "cut the person out and give --mask";
+  if (boxes.empty()) throw InputError(photo_file.string(), "", "nobody was found in it", cutout);
+  if (options.person > static_cast<int>(boxes.size()))
+    throw InputError(photo_file.string(), "--person " + std::to_string(options.person),
+                     "only " + std::to_string(boxes.size()) + " found", "name another, or " + cutout);
+  const cv::Rect box = boxes[static_cast<size_t>(options.person - 1)];
+  // Other persons stay out, whatever the second look says about them.
+  cv::Mat others = (labels != options.person) & (labels != 0);
+  const cv::Rect near = surroundings(box, picture.size());
+  cv::Mat coarse = cv::Mat::zeros(picture.size(), CV_32F);
+  if (network) {
+    network->probability(picture(near)).copyTo(coarse(near));
+  } else {
+    probability(near).copyTo(coarse(near));
+  }
+  coarse.setTo(0, others);
+  cv::Mat near_labels;
+  if (!regions_of(coarse, near_labels).empty()) coarse.setTo(0, (near_labels != 1) & (coarse > 0.5));
+  Matte matte;
+  matte.mask = image_of(refined(picture, coarse, std::max(box.width, box.height)));
+  matte.people = static_cast<int>(boxes.size());
+  return matte;
+}
+
+void keep_foreground_colours(Photo& photo, const Image& mask) {
+  const cv::Size size(mask.width_px, mask.height_px);
+  cv::Mat colours(size, CV_32FC3, photo.linear.values.data());
+  const cv::Mat alpha(size, CV_32F, const_cast<float*>(mask.values.data()));
+  cv::Mat alpha3, foreground = colours.clone(), background = colours.clone();
+  cv::merge(std::vector<cv::Mat>{alpha, alpha, alpha}, alpha3);
+  const cv::Mat rest3 = cv::Scalar::all(1) - alpha3;
+  const int side = std::max(size.width, size.height);
+  for (const int radius : {std::max(4, side / 20), std::max(2, side / 150)}) {
+    const cv::Size window(2 * radius + 1, 2 * radius + 1);
+    const auto weighted = [&](const cv::Mat& x, const cv::Mat& weight) {
+      cv::Mat sum, total, out;
+      cv::blur(x.mul(weight), sum, window);
+      cv::blur(weight, total, window);
+      cv::divide(sum, total + cv::Scalar::all(1e-5), out);
+      return out;
+    };
+    foreground = weighted(foreground, alpha3);
+    background = weighted(background, rest3);
+    foreground += alpha3.mul(colours - alpha3.mul(foreground) - rest3.mul(background));
+    foreground = cv::max(foreground, 0.0);
+  }
+  foreground.copyTo(colours, (alpha > 0) & (alpha < 0.999));
+}
+
+}  // namespace ohb::learner
