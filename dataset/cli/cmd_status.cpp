@@ -3,26 +3,60 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "dataset/cli/commands.h"
 #include "dataset/model/interrupt.h"
 #include "dataset/model/json_text.h"
 #include "dataset/model/results.h"
+#include "dataset/model/stopwatch.h"
+#include "dataset/production/slurm_array.h"
 #include "dataset/production/status.h"
 #include "dataset/program/help.h"
 
 namespace ohb {
 namespace {
 
-constexpr int kBetweenLooks = 20;  // tenths of a second
+constexpr int kBetweenLooks = 20;   // tenths of a second
+constexpr double kAskSlurm_s = 30;  // clusters ask people not to ask more often
 constexpr const char* kClear = "\033[H\033[2J";
 
+/// What Slurm last said about the dataset's job array.
+class SlurmLook {
+ public:
+  explicit SlurmLook(const production::Layout& layout) : layout_(layout) {}
+  const std::optional<production::ArrayStatus>& at_most_every_half_minute() {
+    if (!watch_ || watch_->wall_s() > kAskSlurm_s) {
+      array_ = production::array_status(layout_);
+      watch_.emplace();
+    }
+    return array_;
+  }
+
+ private:
+  production::Layout layout_;
+  std::optional<Stopwatch> watch_;
+  std::optional<production::ArrayStatus> array_;
+};
+
+void print_status(const production::DatasetStatus& status,
+                  const std::optional<production::ArrayStatus>& array, bool is_json, int indent) {
+  if (is_json) {
+    nlohmann::ordered_json json = to_json(status);
+    if (array) json["array"] = to_json(*array);
+    std::printf("%s\n", json_text(json, indent).c_str());
+    return;
+  }
+  std::printf("%s%s", to_text(status).c_str(), array ? to_text(*array).c_str() : "");
+}
+
 int run_status(const std::string& dataset, bool watches, const CommonOptions& common) {
+  SlurmLook slurm({dataset});
   for (;;) {
     const production::DatasetStatus status = production::status_of({dataset});
+    const auto& array = slurm.at_most_every_half_minute();
     if (watches && ::isatty(STDOUT_FILENO)) std::printf("%s", kClear);
-    std::printf("%s", common.json ? (json_text(to_json(status), watches ? -1 : 2) + "\n").c_str()
-                                  : to_text(status).c_str());
+    print_status(status, array, common.json, watches ? -1 : 2);
     if (!watches || status.sets == status.set_count) return 0;
     flush_results();
     for (int i = 0; i < kBetweenLooks; ++i) {

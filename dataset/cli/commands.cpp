@@ -27,6 +27,7 @@ void add_validate_command(CLI::App& app, Commands& commands);
 void add_chart_command(CLI::App& app, Commands& commands);
 void add_people_command(CLI::App& app, Commands& commands);
 void add_produce_command(CLI::App& app, Commands& commands);
+void add_submit_command(CLI::App& app, Commands& commands);
 void add_status_command(CLI::App& app, Commands& commands);
 void add_verify_command(CLI::App& app, Commands& commands);
 void add_environments_command(CLI::App& app, Commands& commands);
@@ -41,6 +42,7 @@ void Commands::add_to(CLI::App& app) {
   add_chart_command(app, *this);
   add_people_command(app, *this);
   add_produce_command(app, *this);
+  add_submit_command(app, *this);
   add_status_command(app, *this);
   add_verify_command(app, *this);
   add_environments_command(app, *this);

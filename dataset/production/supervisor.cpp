@@ -14,12 +14,12 @@
 #include <thread>
 
 #include "dataset/model/atomic_file.h"
-#include "dataset/model/atomic_folder.h"
 #include "dataset/model/error.h"
 #include "dataset/model/interrupt.h"
 #include "dataset/model/process.h"
 #include "dataset/model/progress.h"
 #include "dataset/model/stopwatch.h"
+#include "dataset/production/claim.h"
 #include "dataset/production/file_hashes.h"
 #include "dataset/production/file_lock.h"
 #include "dataset/production/layout.h"
@@ -223,41 +223,6 @@ void Supervisor::give_up(const PlanPerson& person, const Outcome& outcome, const
   report_.given_up.push_back({person.id, reason});
 }
 
-/// Throws InputError for a folder that holds other things. What several of us that start at once leave there
-/// before the marker stands has names of ours.
-void claim_dataset(const fs::path& output) {
-  std::error_code ignored;
-  if (fs::is_directory(output, ignored) && !ohb::read_marker(output))
-    for (const auto& entry : fs::directory_iterator(output)) {
-      const std::string name = entry.path().filename().string();
-      if (name.rfind(".openhumanbrdf", 0) == 0 || name.rfind("..openhumanbrdf", 0) == 0 || name == ".ohb")
-        continue;
-      throw InputError(output.string(), "", "exists and was not written by this program",
-                       "choose another -o or remove it yourself");
-    }
-  claim_folder(output, "dataset");
-}
-
-/// The lock that says which plan is at work: shared by those of the same plan.
-std::unique_ptr<FileLock> lock_plan(const ProduceJob& job, const Layout& layout) {
-  auto lock = std::make_unique<FileLock>(layout.locks() / ".plan", FileLock::Kind::kExclusive);
-  const bool is_alone = lock->held();
-  if (!is_alone) {
-    lock->share();
-    lock->wait();  // for one that is just writing down its plan
-  }
-  const bool is_known = fs::exists(layout.state() / "plan.json");
-  if (!is_known || read_dataset_plan(layout).sha256 != job.plan.sha256) {
-    if (!is_alone)
-      throw TryAgainError(layout.root.string(), "another `produce` is at work there with another plan",
-                          "wait for it, or choose another -o");
-    write_dataset_plan(layout, job.plan);
-  }
-  lock->share();
-  lock->wait();
-  return lock;
-}
-
 }  // namespace
 
 ProduceReport produce(const ProduceJob& job) {
@@ -274,7 +239,7 @@ ProduceReport produce(const ProduceJob& job) {
   if (!ours.held())
     throw TryAgainError(job.output.string(), "another `produce` of this shard is at work there",
                         "wait for it, or share the people out with --shard i/n");
-  const std::unique_ptr<FileLock> plan_lock = lock_plan(job, layout);
+  const std::unique_ptr<FileLock> plan_lock = lock_plan(job.plan, layout);
   FileHashes environments(layout.hashes("environments"));
   for (const PlanEnvironment* environment : drawn_environments(job.plan)) {
     throw_if_interrupted();

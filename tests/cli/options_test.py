@@ -11,7 +11,7 @@ import unittest
 
 from support import BAD_INPUT, DONE, Programs, run
 
-COMMANDS = ["inspect", "label", "bake", "render", "validate", "people", "produce", "status", "verify", "environments",
+COMMANDS = ["inspect", "label", "bake", "render", "validate", "people", "produce", "submit", "status", "verify", "environments",
             "environments import", "environments synthesise", "environments list", "export", "chart",
             "chart speed-accuracy", "chart stress", "chart bake", "chart bake-stress"]
 LEARNER_COMMANDS = ["train", "evaluate", "estimate", "relight"]

@@ -38,7 +38,7 @@ class Places(unittest.TestCase):
     def commands(self, output):
         """Without those that start Blender many times over, and those that write nothing."""
         named = self.fixture.commands(output, heavy=False)
-        for name in ("produce dry run", "status", "verify"):
+        for name in ("produce dry run", "submit dry run", "status", "verify"):
             del named[name]
         for slow in ("label serve", "label refine", "chart speed-accuracy", "chart stress", "chart bake", "chart bake-stress"):
             del named[slow]

@@ -105,6 +105,7 @@ class Fixture:
         named["produce"] = [o, "produce", plan, "-o", output]
         if not heavy:
             named["produce dry run"] = [o, "produce", plan, "--dry-run"]
+            named["submit dry run"] = [o, "submit", plan, "-o", output, "--dry-run"]
             named["status"] = [o, "status", f / "dataset"]
             named["verify"] = [o, "verify", f / "dataset", "--rerender", 1]
         if heavy and not labels.exists():

@@ -1,0 +1,42 @@
+#include "dataset/production/claim.h"
+
+#include "dataset/model/atomic_folder.h"
+#include "dataset/model/error.h"
+#include "dataset/production/manifest.h"
+
+namespace ohb::production {
+namespace fs = std::filesystem;
+
+void claim_dataset(const fs::path& output) {
+  std::error_code ignored;
+  if (fs::is_directory(output, ignored) && !ohb::read_marker(output))
+    for (const auto& entry : fs::directory_iterator(output)) {
+      const std::string name = entry.path().filename().string();
+      if (name.rfind(".openhumanbrdf", 0) == 0 || name.rfind("..openhumanbrdf", 0) == 0 || name == ".ohb")
+        continue;
+      throw InputError(output.string(), "", "exists and was not written by this program",
+                       "choose another -o or remove it yourself");
+    }
+  claim_folder(output, "dataset");
+}
+
+std::unique_ptr<FileLock> lock_plan(const Plan& plan, const Layout& layout) {
+  auto lock = std::make_unique<FileLock>(layout.locks() / ".plan", FileLock::Kind::kExclusive);
+  const bool is_alone = lock->held();
+  if (!is_alone) {
+    lock->share();
+    lock->wait();  // for one that is just writing down its plan
+  }
+  const bool is_known = fs::exists(layout.state() / "plan.json");
+  if (!is_known || read_dataset_plan(layout).sha256 != plan.sha256) {
+    if (!is_alone)
+      throw TryAgainError(layout.root.string(), "another `produce` is at work there with another plan",
+                          "wait for it, or choose another -o");
+    write_dataset_plan(layout, plan);
+  }
+  lock->share();
+  lock->wait();
+  return lock;
+}
+
+}  // namespace ohb::production
