@@ -81,6 +81,10 @@ std::string materials_text(const MaterialTable& table) {
   pugi::xml_document document;
   pugi::xml_node root = document.append_child("materials");
   root.append_attribute("schema") = "1";
+  // In this order since the first version: what `produce` has done is known by this text.
+  root.append_attribute("specular_encoding") = "srgb-f0";
+  root.append_attribute("roughness_encoding") = "perceptual";
+  root.append_attribute("sss_encoding") = "weight-1.0-0.2-0.1-cm";
   append_materials(root, table);
   return xml_text(document);
 }
