@@ -150,8 +150,8 @@ cv::Mat refined(const cv::Mat& picture, const cv::Mat& coarse, int side_px) {
   cv::cvtColor(picture, grey, cv::COLOR_RGB2GRAY);
   const int radius = std::max(2, side_px / 60);
   cv::Mat soft = guided(grey, coarse, radius, 1e-4);
-  // What lies between 0.1 and 0.9 becomes the edge's width; less is noise of the background's texture.
-  soft = cv::max(cv::min((soft - 0.1) / 0.8, 1.0), 0.0);
+  // A coarse mask is soft over many pixels of the photo: the middle half of it becomes the edge.
+  soft = cv::max(cv::min((soft - 0.25) / 0.5, 1.0), 0.0);
   cv::Mat core, around;
   const cv::Mat kernel =
       cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(2 * radius + 1, 2 * radius + 1));
