@@ -69,9 +69,9 @@ train() {  # MODEL STEPS OPTIONS...
     "$learner" train "$1" "${common[@]}" --steps "$2" "${@:3}" -o "$out/runs/$1"
   fi
 }
-train geometry 8000
+train geometry 6000
 train albedo 8000
-train rss 8000 --balanced
+train rss 6000 --balanced
 for prior in geometry albedo rss; do priors+=("$out/runs/$prior"); done
 "$learner" evaluate "${priors[@]}" --data "$out/samples_test/humans" -o "$out/report"
 cp "$out/report/evaluation.md" "$out/results.md"

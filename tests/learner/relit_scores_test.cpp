@@ -103,6 +103,28 @@ TEST(Relief, HasNoSheetAcrossADepthJumpAndNoCrack) {
     EXPECT_GE(seen.mask.values[p], ball.sample.mask.values[p]) << p;
 }
 
+TEST(Relief, HasNoIsolatedPits) {
+  constexpr float kUncut = 1e6f;  // the same vertices in all
+  Ball ball;
+  const Tensor displacement = ball.example.truth.displacement;
+  const int middle = kSize_px / 2;
+  const Model whole = ball.relief(ball.example.truth, kUncut);
+  displacement.slice(2, middle, middle + 2).slice(3, middle, middle + 1).sub_(0.2);  // two pixels
+  const Model mended = ball.relief(ball.example.truth, kUncut);
+  displacement.slice(2, middle, middle + 2).slice(3, middle, middle + 1).add_(0.2);
+  displacement.slice(3, middle, middle + 1).sub_(0.2);  // a furrow from top to bottom is no pit
+  const Model furrow = ball.relief(ball.example.truth, kUncut);
+  ASSERT_EQ(mended.positions_cm.size(), whole.positions_cm.size());
+  ASSERT_EQ(furrow.positions_cm.size(), whole.positions_cm.size());
+  const float deep_cm = 0.2f * static_cast<float>(ball.example.half_frame_cm);
+  int deeper = 0;
+  for (size_t i = 0; i < whole.positions_cm.size(); ++i) {
+    EXPECT_NEAR(mended.positions_cm[i].z, whole.positions_cm[i].z, 0.25f * deep_cm) << i;
+    deeper += furrow.positions_cm[i].z < whole.positions_cm[i].z - 0.9f * deep_cm ? 1 : 0;
+  }
+  EXPECT_GT(deeper, kSize_px / 2);
+}
+
 TEST(RelitScores, OfTheTruthAreTheMost) {
   const Ball ball;
   const Psnr score = score_of(ball, ball.example.truth);
