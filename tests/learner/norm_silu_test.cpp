@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <ostream>
+
 namespace ohb {
 using namespace learner;
 namespace {
@@ -13,6 +15,11 @@ struct Case {
   int64_t images, channels, side, groups;
   double level, spread;  // of x
 };
+
+std::ostream& operator<<(std::ostream& stream, const Case& c) {
+  return stream << c.images << "x" << c.channels << "x" << c.side << ", " << c.groups << " groups, level "
+                << c.level << ", spread " << c.spread;
+}
 
 /// Value and gradients of sum(w y) for fixed random w.
 std::vector<Tensor> with_gradients(const Tensor& x, int64_t groups, const Tensor& gain, const Tensor& offset,
