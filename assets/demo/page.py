@@ -207,8 +207,8 @@ def add_estimate(page):
 
 def add_relit(page):
     page.heading("8. Relit and edited in Blender", "The estimate as a relief in Blender, under another environment (sunset); "
-                 "then with what it takes for fabric made shiny leather, and with blond hair.")
-    captions = {"none": "relit", "fabric_shiny_leather": "fabric to shiny leather", "hair_blond": "blond hair"}
+                 "then with what it takes for fabric made shiny leather, and made red.")
+    captions = {"none": "relit", "fabric_shiny_leather": "fabric to shiny leather", "fabric_red": "red fabric"}
     page.row([page.figure(page.out / "relit" / f"{name}.png", caption, 360) for name, caption in captions.items()])
 
 

@@ -58,7 +58,7 @@ if [ -x "$prefix/bin/humanmaterial" ]; then
   humanmaterial estimate samples/previews/view_000.relit.studio.png --mask samples/previews/view_000.mask.png \
     --weights "$share"/assets/weights/{geometry,albedo,rss}.safetensors -o maps
   if command -v blender >/dev/null; then
-    humanmaterial relight maps --environment "$sky" --edit hair:blond --size 64 --spp 2 -o relit.png
+    humanmaterial relight maps --environment "$sky" --edit fabric:red --size 64 --spp 2 -o relit.png
   fi
 fi
 answers "0" python3 "$share/blender_addon/tools/build_zip.py" -o human_material.zip

@@ -5,7 +5,7 @@ The maps are averages of the table's materials over a pixel, so a pixel on a bor
 materials lie almost on one line (a mixture of fabric and leather looks like hair), so a pixel alone does not tell: a
 pixel is first given the nearest class, then that of most pixels around it, and last, on borders, split between the
 two classes nearby whose mixture fits it best. An estimate may be half fabric, half leather over a whole sleeve, which
-looks like hair too: so where there is hair on the head, hair is only what is connected to it.
+looks like hair too: so hair is only what is connected to hair on the head, or in the upper third of the person.
 """
 import json
 import os
@@ -24,6 +24,7 @@ SSS_SCALE = 5.0         # subsurface counts five times: its range is a tenth of 
 VOTE_RADIUS_PX = 2      # 5 x 5 pixels vote
 BORDER_RADIUS_PX = 2    # mixtures are looked for this near to another class
 HEAD_SHARE = 1 / 8      # of the person's height in the picture: hair on the head reaches into it
+UPPER_SHARE = 1 / 3
 HAIR = NAMES.index("hair")
 NOTHING = 255
 
@@ -113,18 +114,18 @@ def nearest_class(point, without=NOTHING):
 
 
 def stray_hair(labels, pixels, width, height):
-    """Pixels of the pieces of hair that do not reach into the head; none where no piece does."""
+    """Pixels of the pieces of hair that do not reach into the head, or, where none does (a hat, raised arms), into
+    the upper third of the person: shoes of an estimate may look like hair on somebody whose hair was not found."""
     if len(pixels) == 0:
         return []
     first, last = int(min(pixels)) // width, int(max(pixels)) // width
-    head_end = first + HEAD_SHARE * (last + 1 - first)
-    on_head, stray = False, []
-    for piece in _pieces(labels, HAIR, width, height):
-        if min(piece) // width < head_end:
-            on_head = True
-        else:
-            stray += piece
-    return stray if on_head else []
+    pieces = list(_pieces(labels, HAIR, width, height))
+    for share in (HEAD_SHARE, UPPER_SHARE):
+        end = first + share * (last + 1 - first)
+        stray = [piece for piece in pieces if min(piece) // width >= end]
+        if len(stray) < len(pieces):
+            break
+    return [p for piece in stray for p in piece]
 
 
 def _pieces(labels, wanted, width, height):
