@@ -17,16 +17,43 @@ namespace {
 
 constexpr int kNetwork_px = 256;
 constexpr int kGrabCut_px = 384;
+// Larger photos are worked on at this size: a matte for maps of up to 1024 px needs no more, and ten floats a
+// pixel of a photo of 100 million would take gigabytes and minutes.
+constexpr int kWorking_px = 2048;
 constexpr double kSmallestShare = 0.003;  // of the picture: less is no person
 constexpr double kMargin = 0.2;           // around the first pass's box, of its longer side
 
+/// A picture of at most kWorking_px a side, averaged down where it is larger. Not a copy where it is not.
+cv::Mat reduced(const cv::Mat& picture) {
+  const double scale = kWorking_px / static_cast<double>(std::max(picture.rows, picture.cols));
+  if (scale >= 1) return picture;
+  cv::Mat small;
+  cv::resize(picture, small, cv::Size(), scale, scale, cv::INTER_AREA);
+  return small;
+}
+
+/// Back to the photo's size, if it was reduced.
+cv::Mat enlarged(const cv::Mat& picture, const cv::Size& size) {
+  if (picture.size() == size) return picture;
+  cv::Mat large;
+  cv::resize(picture, large, size, 0, 0, cv::INTER_LINEAR);
+  return large;
+}
+
+/// The pixels themselves, not a copy.
+cv::Mat pixels_of(const Image& image) {
+  return cv::Mat(image.height_px, image.width_px, CV_32FC(image.channels),
+                 const_cast<float*>(image.values.data()));
+}
+
 /// sRGB-encoded, RGB, three floats a pixel.
-cv::Mat encoded(const Image& linear) {
-  cv::Mat picture(linear.height_px, linear.width_px, CV_32FC3);
-  for (int y = 0; y < linear.height_px; ++y)
-    for (int x = 0; x < linear.width_px; ++x)
+cv::Mat encoded(const cv::Mat& linear) {
+  cv::Mat picture(linear.size(), CV_32FC3);
+  for (int y = 0; y < linear.rows; ++y)
+    for (int x = 0; x < linear.cols; ++x)
       for (int c = 0; c < 3; ++c)
-        picture.at<cv::Vec3f>(y, x)[c] = linear_to_srgb(std::clamp(linear.pixel(x, y)[c], 0.0f, 1.0f));
+        picture.at<cv::Vec3f>(y, x)[c] =
+            linear_to_srgb(std::clamp(linear.at<cv::Vec3f>(y, x)[c], 0.0f, 1.0f));
   return picture;
 }
 
@@ -172,7 +199,7 @@ Image image_of(const cv::Mat& plane) {
 }  // namespace
 
 Matte find_person(const Photo& photo, const fs::path& photo_file, const MattingOptions& options) {
-  const cv::Mat picture = encoded(photo.linear);
+  const cv::Mat picture = encoded(reduced(pixels_of(photo.linear)));
   std::optional<Network> network;
   if (options.network) network.emplace(*options.network);
   cv::Mat probability = network ? network->probability(picture) : by_grab_cut(picture);
@@ -203,19 +230,19 @@ Matte find_person(const Photo& photo, const fs::path& photo_file, const MattingO
   cv::Mat near_labels;
   if (!regions_of(coarse, near_labels).empty()) coarse.setTo(0, (near_labels != 1) & (coarse > 0.5));
   Matte matte;
-  matte.mask = image_of(refined(picture, coarse, std::max(box.width, box.height)));
+  const cv::Mat soft = refined(picture, coarse, std::max(box.width, box.height));
+  matte.mask = image_of(enlarged(soft, cv::Size(photo.linear.width_px, photo.linear.height_px)));
   matte.people = static_cast<int>(boxes.size());
   return matte;
 }
 
 void keep_foreground_colours(Photo& photo, const Image& mask) {
-  const cv::Size size(mask.width_px, mask.height_px);
-  cv::Mat colours(size, CV_32FC3, photo.linear.values.data());
-  const cv::Mat alpha(size, CV_32F, const_cast<float*>(mask.values.data()));
+  const cv::Mat whole_alpha = pixels_of(mask), whole = pixels_of(photo.linear);
+  const cv::Mat alpha = reduced(whole_alpha), colours = reduced(whole);
   cv::Mat alpha3, foreground = colours.clone(), background = colours.clone();
   cv::merge(std::vector<cv::Mat>{alpha, alpha, alpha}, alpha3);
   const cv::Mat rest3 = cv::Scalar::all(1) - alpha3;
-  const int side = std::max(size.width, size.height);
+  const int side = std::max(alpha.cols, alpha.rows);
   for (const int radius : {std::max(4, side / 20), std::max(2, side / 150)}) {
     const cv::Size window(2 * radius + 1, 2 * radius + 1);
     const auto weighted = [&](const cv::Mat& x, const cv::Mat& weight) {
@@ -230,7 +257,7 @@ void keep_foreground_colours(Photo& photo, const Image& mask) {
     foreground += alpha3.mul(colours - alpha3.mul(foreground) - rest3.mul(background));
     foreground = cv::max(foreground, 0.0);
   }
-  foreground.copyTo(colours, (alpha > 0) & (alpha < 0.999));
+  enlarged(foreground, whole.size()).copyTo(whole, (whole_alpha > 0) & (whole_alpha < 0.999));
 }
 
 }  // namespace ohb::learner

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "dataset/model/atomic_file.h"
@@ -78,6 +79,38 @@ TEST(Matting, WhoIsSmallInALargePictureGetsASharpEdge) {
   const Disc disc = {700, 300, 45};  // the network sees the whole at a fifth of the size
   const Photo photo = discs_on_a_wall({disc}, 1200, 800);
   EXPECT_GT(overlap(find_person(photo, "photo.jpg", {red_network(folder), 1}).mask, disc), 0.97);
+}
+
+// Photographs larger than the matte is worked out at: the mask has the photo's size, and no rim stays.
+TEST(Matting, OfLargePhotosHasTheirSize) {
+  const TemporaryFolder folder;
+  const int width = 4200, height = 3000;
+  const double radius = 900;
+  const auto coverage = [&](int x, int y) {
+    return static_cast<float>(std::clamp(radius - std::hypot(x - 2000.0, y - 1500.0), 0.0, 1.0));
+  };
+  Photo photo;
+  photo.linear = Image(width, height, 3);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const float alpha = coverage(x, y);
+        photo.linear.pixel(x, y)[c] = alpha * kRed[c] + (1 - alpha) * 0.8f;
+      }
+  const Matte matte = find_person(photo, "photo.jpg", {red_network(folder), 1});
+  ASSERT_EQ(matte.mask.width_px, width);
+  ASSERT_EQ(matte.mask.height_px, height);
+  keep_foreground_colours(photo, matte.mask);
+  double both = 0, either = 0, green = 0;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double found = *matte.mask.pixel(x, y), truth = coverage(x, y);
+      both += std::min(found, truth);
+      either += std::max(found, truth);
+      green += found * photo.linear.pixel(x, y)[1];
+    }
+  EXPECT_GT(both / either, 0.97);
+  EXPECT_NEAR(green / either, kRed[1], 0.01) << "of the bright wall nothing is left in the person";
 }
 
 TEST(Matting, WithoutANetworkTakesWhatDiffersFromTheBorders) {
