@@ -122,6 +122,22 @@ struct Estimate {
   double variance() const { return (squares / count - mean() * mean()) / count; }
 };
 
+/// One walk of one channel, isotropic and unguided: its weight where it comes out (`hit`), 0 if it does not.
+double analog_walk(const Scene& scene, const WalkMedium& medium, int channel, Ray ray, Random& random,
+                   Hit& hit) {
+  double weight = medium.medium.entry_weight[channel];
+  for (int segment = 0; segment < cycles::kMaxWalkSegments && weight > 1e-9; ++segment) {
+    const float t = -std::log(1 - random.next()) / medium.medium.sigma_t_per_cm[channel];
+    if (intersect_bvh(scene.opaque, 0, ray, 0, t, hit)) return weight;
+    weight *= medium.medium.albedo[channel];
+    ray.origin += t * ray.direction;
+    const float z = 2 * random.next() - 1, sine = std::sqrt(std::max(0.0f, 1 - z * z));
+    const SineCosine phi = sine_cosine_of_turns(random.next());
+    ray.direction = {sine * phi.cosine, sine * phi.sine, z};
+  }
+  return 0;
+}
+
 // The walks (eight at once, guided, channels and strategies mixed) against the plainest ones: one at a time,
 // one channel at a time, isotropic, distances by the standard library's logarithm. In a ball of five mean
 // free paths of red, where guiding, the far side and the sheet's search all matter.
@@ -157,22 +173,12 @@ TEST(Subsurface, WalksEqualAnalogOnes) {
   for (int c = 0; c < 3; ++c)
     for (int i = 0; i < 40000; ++i) {
       const float u = random.next();
-      Ray ray{point.position - 1e-5f * point.ng, -frame.to_world(sample_cosine_hemisphere(u, random.next()))};
-      double weight = medium.medium.entry_weight[c];
+      const Ray ray{point.position - 1e-5f * point.ng,
+                    -frame.to_world(sample_cosine_hemisphere(u, random.next()))};
       Hit hit;
-      bool is_out = false;
-      for (int segment = 0; segment < cycles::kMaxWalkSegments && !is_out && weight > 1e-9; ++segment) {
-        const float t = -std::log(1 - random.next()) / medium.medium.sigma_t_per_cm[c];
-        is_out = intersect_bvh(scene->opaque, 0, ray, 0, t, hit);
-        if (is_out) break;
-        weight *= medium.medium.albedo[c];
-        ray.origin += t * ray.direction;
-        const float z = 2 * random.next() - 1, sine = std::sqrt(std::max(0.0f, 1 - z * z));
-        const SineCosine phi = sine_cosine_of_turns(random.next());
-        ray.direction = {sine * phi.cosine, sine * phi.sine, z};
-      }
-      analog[c].add(is_out ? weight : 0);
-      analog_height[c].add(is_out ? weight * dot(position_at(*scene, hit), point.ng) : 0);
+      const double weight = analog_walk(*scene, medium, c, ray, random, hit);
+      analog[c].add(weight);
+      analog_height[c].add(weight > 0 ? weight * dot(position_at(*scene, hit), point.ng) : 0);
     }
   // Six comparisons at four standard errors: one false alarm in 2600 seeds.
   for (int c = 0; c < 3; ++c) {
