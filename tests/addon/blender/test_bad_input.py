@@ -2,10 +2,8 @@
 import hashlib
 import math
 import os
-import unittest
 
 import bpy
-import human_material
 from support import image_files, maps_folder, scene as s
 
 PERSON = maps_folder.Person(16, 16)
@@ -86,18 +84,7 @@ HOSTILE = {
 }
 
 
-class BadInput(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        human_material.register()
-
-    @classmethod
-    def tearDownClass(cls):
-        human_material.unregister()
-
-    def setUp(self):
-        s.empty_scene()
-
+class BadInput(s.Registered):
     def prepared(self, change):
         folder = os.path.join(s.folder(), "person")
         maps_folder.write(folder, PERSON, change if isinstance(change, dict) else None)

@@ -1,10 +1,8 @@
 """The add-on as a guest in the user's scene: what it must not touch, and what it must say."""
 import math
 import os
-import unittest
 
 import bpy
-import human_material
 from support import maps_folder, scene as s
 
 from human_material import compat
@@ -13,18 +11,7 @@ from human_material.services import edit, environment, material, presets, relief
 PERSON = maps_folder.Person(16, 16)
 
 
-class Guest(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        human_material.register()
-
-    @classmethod
-    def tearDownClass(cls):
-        human_material.unregister()
-
-    def setUp(self):
-        self.scene = s.empty_scene()
-
+class Guest(s.Registered):
     def imported(self, changed=None):
         folder = os.path.join(s.folder(), "person")
         maps_folder.write(folder, PERSON, changed)

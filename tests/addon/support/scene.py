@@ -3,8 +3,10 @@ import atexit
 import os
 import shutil
 import tempfile
+import unittest
 
 import bpy
+import human_material
 
 from support import maps_folder
 
@@ -20,6 +22,20 @@ def empty_scene():
     """The one scene, with nothing in it."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     return bpy.context.scene
+
+
+class Registered(unittest.TestCase):
+    """Tests with the add-on registered, each in an empty scene."""
+    @classmethod
+    def setUpClass(cls):
+        human_material.register()
+
+    @classmethod
+    def tearDownClass(cls):
+        human_material.unregister()
+
+    def setUp(self):
+        self.scene = empty_scene()
 
 
 def folder():
