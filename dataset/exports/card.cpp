@@ -3,6 +3,7 @@
 #include <map>
 
 #include "dataset/exports/forms.h"
+#include "dataset/exports/realism.h"
 #include "dataset/model/regions.h"
 
 namespace ohb::exports {
@@ -24,7 +25,8 @@ std::string table_of(const std::string& what, const std::string& of, const Count
 
 }  // namespace
 
-std::string card_text(const SampleIndex& index, const std::vector<std::vector<std::string>>& lights) {
+std::string card_text(const SampleIndex& index, const std::vector<std::vector<std::string>>& lights,
+                      bool has_realism) {
   Counts people_of_split, sets_of_split, sets_of_light;
   std::map<std::string, Counts> people_of_value;
   for (const IndexedPerson& person : index.people) {
@@ -42,6 +44,13 @@ std::string card_text(const SampleIndex& index, const std::vector<std::vector<st
       "displacement), shares of the classes (" +
       class_list(", ", ", ") + ") and lit pictures. Made by openhumanbrdf " OHB_VERSION ".\n\n";
   text += "![one picture a person](contact_sheet.png)\n\n";
+  if (has_realism)
+    text +=
+        "## What each step adds\n\n![steps of realism](realism.png)\n\nFrom left to right, each as the whole "
+        "person "
+        "and the head, under the bundled studio: " +
+        fmt::format("{}", fmt::join(realism_steps(), "; ")) +
+        ". The last two are alike where scans brought no normal maps.\n\n";
   text += "## Splits\n\n" + table_of("split", "people", people_of_split) +
           table_of("split", "sets", sets_of_split);
   text += "## Balance\n\n";

@@ -20,8 +20,10 @@ size_t write_page(const SampleIndex& index, const ExportJob& job, const std::fil
 nlohmann::ordered_json sample_json(const SampleIndex& index, const IndexedSample& sample,
                                    const ExrAttributes& attributes);
 
-/// CARD.md: counts, balance, lights, licences. `lights`: of each sample, in its order.
-std::string card_text(const SampleIndex& index, const std::vector<std::vector<std::string>>& lights);
+/// CARD.md: counts, balance, lights, licences. `lights`: of each sample, in its order. `has_realism`:
+/// realism.png is beside it.
+std::string card_text(const SampleIndex& index, const std::vector<std::vector<std::string>>& lights,
+                      bool has_realism);
 
 /// body(i) for each sample, in any order, all threads, with a progress bar. Throws what a body threw first;
 /// TryAgainError after a signal.

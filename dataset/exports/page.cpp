@@ -1,9 +1,10 @@
 // index.html, which needs no server: data.js lists the samples, pictures are beside it.
-#include <algorithm>
 #include <cmath>
 
 #include "dataset/exports/encodings.h"
 #include "dataset/exports/forms.h"
+#include "dataset/exports/grid.h"
+#include "dataset/exports/realism.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/data_files.h"
 #include "dataset/model/json_text.h"
@@ -12,42 +13,11 @@ namespace ohb::exports {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kThumbnail_px = 128, kMap_px = 256, kPerson_px = 128;
+constexpr int kThumbnail_px = 128, kMap_px = 256;
 
-/// Pictures of one height in a row.
-ByteImage side_by_side(const std::vector<ByteImage>& pictures) {
-  int width = 0, height = 0;
-  for (const ByteImage& picture : pictures)
-    width += picture.width_px, height = std::max(height, picture.height_px);
-  ByteImage row(width, height, 3);
-  int left = 0;
-  for (const ByteImage& picture : pictures) {
-    for (int y = 0; y < picture.height_px; ++y)
-      std::copy_n(
-          &picture.values[3 * static_cast<size_t>(y) * static_cast<size_t>(picture.width_px)],
-          3 * picture.width_px,
-          &row.values[3 * (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(left))]);
-    left += picture.width_px;
-  }
-  return row;
-}
-
+/// One picture a person, wider than high.
 ByteImage contact_sheet(const std::vector<ByteImage>& people) {
-  const int columns =
-      std::max(1, static_cast<int>(std::ceil(std::sqrt(1.6 * static_cast<double>(people.size())))));
-  const int rows = (static_cast<int>(people.size()) + columns - 1) / columns;
-  ByteImage sheet(columns * kPerson_px, rows * kPerson_px, 3);
-  for (size_t i = 0; i < people.size(); ++i) {
-    const ByteImage& person = people[i];
-    const int left = static_cast<int>(i) % columns * kPerson_px,
-              top = static_cast<int>(i) / columns * kPerson_px;
-    for (int y = 0; y < std::min(person.height_px, kPerson_px); ++y)
-      std::copy_n(&person.values[3 * static_cast<size_t>(y) * static_cast<size_t>(person.width_px)],
-                  3 * person.width_px,
-                  &sheet.values[3 * (static_cast<size_t>(top + y) * static_cast<size_t>(sheet.width_px) +
-                                     static_cast<size_t>(left))]);
-  }
-  return sheet;
+  return grid_of(people, static_cast<int>(std::ceil(std::sqrt(1.6 * static_cast<double>(people.size())))));
 }
 
 /// JSON in a script: "</script>" in a name must not end it.
@@ -84,7 +54,7 @@ size_t write_page(const SampleIndex& index, const ExportJob& job, const fs::path
     const std::string stem = "pictures/" + std::to_string(indexed.person) + "/" + indexed.view;
     const ByteImage small = thumbnail(shown.image, kThumbnail_px);
     write_png(folder / (stem + ".png"), small);
-    write_png(folder / (stem + "_maps.png"), side_by_side(pictures));
+    write_png(folder / (stem + "_maps.png"), grid_of(pictures, static_cast<int>(pictures.size())));
     const bool is_first = i == 0 || index.samples[i - 1].person != indexed.person;
     if (is_first) first_of_person[indexed.person] = small;
     entries[i] = {{"person", indexed.person},
@@ -99,9 +69,12 @@ size_t write_page(const SampleIndex& index, const ExportJob& job, const fs::path
   const nlohmann::ordered_json data = {{"name", index.name}, {"people", people}, {"samples", entries}};
   write_file_atomically(folder / "data.js", "const DATA = " + script_text(data) + ";\n");
   write_file_atomically(folder / "index.html", read_file(program_file("assets/export/index.html")));
-  write_file_atomically(folder / "CARD.md", card_text(index, lights));
   write_png(folder / "contact_sheet.png", contact_sheet(first_of_person));
-  return 2 * index.samples.size() + 4;
+  const ByteImage realism = realism_figure(index, {}, job.quiet);
+  const bool has_realism = !realism.values.empty();
+  if (has_realism) write_png(folder / "realism.png", realism);
+  write_file_atomically(folder / "CARD.md", card_text(index, lights, has_realism));
+  return 2 * index.samples.size() + 4 + has_realism;
 }
 
 }  // namespace ohb::exports

@@ -70,6 +70,15 @@ void add_folder(const fs::path& folder, IndexedPerson person, SampleIndex& index
   index.people.push_back(std::move(person));
 }
 
+/// The relative path that an attribute states; "" if there is none.
+fs::path path_inside(const XmlDocument& xml, pugi::xml_node node, const char* name) {
+  const fs::path path = fs::path(xml.text_or(node, name, "")).lexically_normal();
+  if (path.is_absolute() || (!path.empty() && *path.begin() == ".."))
+    throw xml.error(node, std::string(name) + "=\"" + path.string() + "\" leaves the dataset",
+                    "do not use this dataset");
+  return path;
+}
+
 void add_people_of(const fs::path& root, SampleIndex& index) {
   const XmlDocument xml(root / "dataset.xml", "dataset");
   if (const uint64_t schema = xml.count(xml.root(), "schema", 1000000); schema > kSchema)
@@ -80,9 +89,9 @@ void add_people_of(const fs::path& root, SampleIndex& index) {
     IndexedPerson person;
     person.id = xml.text(node, "id");
     person.split = xml.text(node, "split");
-    const fs::path views = fs::path(xml.text(node, "views")).lexically_normal();
-    if (views.is_absolute() || views.empty() || *views.begin() == "..")
-      throw xml.error(node, "views=\"" + views.string() + "\" leaves the dataset", "do not use this dataset");
+    const fs::path views = path_inside(xml, node, "views"), model = path_inside(xml, node, "model");
+    if (views.empty()) throw xml.error(node, "views=\"\" names no folder", "do not use this dataset");
+    if (!model.empty()) person.model = root / model;
     const uint64_t sets = xml.count(node, "sets", kMostSets),
                    planned = xml.count(node, "planned_sets", kMostSets);
     if (sets < planned)

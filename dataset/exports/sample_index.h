@@ -12,6 +12,7 @@ struct IndexedPerson {
   std::string id;                                 // names a folder: no '/', not "." or ".."
   std::string split;                              // "" where there is no dataset.xml
   std::map<std::string, std::string> attributes;  // sex, age, licence, ... as dataset.xml states them
+  std::filesystem::path model;  // folder of the baked model; "" where there is no dataset.xml
 };
 
 struct IndexedSample {
