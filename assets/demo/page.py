@@ -212,8 +212,22 @@ def add_relit(page):
     page.row([page.figure(page.out / "relit" / f"{name}.png", caption, 360) for name, caption in captions.items()])
 
 
+def add_production(page):
+    folder = page.out / "production"
+    page.heading("9. A dataset by one command", f"{page.link('production/plan.xml')} says who, which views and which lights; "
+                 "<code>openhumanbrdf produce</code> makes it, and goes on where it was stopped. "
+                 f"{page.link('production/page/index.html', 'The page to look through it')}, "
+                 f"{page.link('production/page/CARD.md', 'its card')}, {page.link('production/dataset', 'its files')}.")
+    width_px = 384 if (folder / "people").exists() else 128
+    page.row([page.figure(folder / "page" / "contact_sheet.png", "everybody, first view", width_px)])
+    realism = folder / "page" / "realism.png"
+    if realism.exists():
+        page.row([page.figure(realism, "as the scan came; with materials; with light under the skin; with the surface's detail",
+                              1100)])
+
+
 def add_costs(page, seconds_in_all):
-    page.heading("9. What it cost")
+    page.heading("10. What it cost")
     rows = []
     for line in (page.out / "costs.tsv").read_text(encoding="utf-8").splitlines():
         name, seconds, command = line.split("\t")
@@ -241,6 +255,7 @@ def main():
     add_training(page)
     add_estimate(page)
     add_relit(page)
+    add_production(page)
     add_costs(page, sys.argv[2])
     inspect = page.out / "inspect.txt"
     if inspect.exists():

@@ -20,6 +20,16 @@ ByteImage contact_sheet(const std::vector<ByteImage>& people) {
   return grid_of(people, static_cast<int>(std::ceil(std::sqrt(1.6 * static_cast<double>(people.size())))));
 }
 
+/// CARD.md and its figure; how many files that makes.
+size_t write_card(const SampleIndex& index, const std::vector<std::vector<std::string>>& lights,
+                  const ExportJob& job, const fs::path& folder) {
+  const ByteImage realism = realism_figure(index, {}, job.quiet);
+  const bool has_realism = !realism.values.empty();
+  if (has_realism) write_png(folder / "realism.png", realism);
+  write_file_atomically(folder / "CARD.md", card_text(index, lights, has_realism));
+  return has_realism ? 2 : 1;
+}
+
 /// JSON in a script: "</script>" in a name must not end it.
 std::string script_text(const nlohmann::ordered_json& json) {
   std::string text = json_text(json), safe;
@@ -70,11 +80,7 @@ size_t write_page(const SampleIndex& index, const ExportJob& job, const fs::path
   write_file_atomically(folder / "data.js", "const DATA = " + script_text(data) + ";\n");
   write_file_atomically(folder / "index.html", read_file(program_file("assets/export/index.html")));
   write_png(folder / "contact_sheet.png", contact_sheet(first_of_person));
-  const ByteImage realism = realism_figure(index, {}, job.quiet);
-  const bool has_realism = !realism.values.empty();
-  if (has_realism) write_png(folder / "realism.png", realism);
-  write_file_atomically(folder / "CARD.md", card_text(index, lights, has_realism));
-  return 2 * index.samples.size() + 4 + has_realism;
+  return 2 * index.samples.size() + 3 + write_card(index, lights, job, folder);
 }
 
 }  // namespace ohb::exports

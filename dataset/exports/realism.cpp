@@ -16,7 +16,7 @@
 namespace ohb::exports {
 namespace {
 
-constexpr size_t kMostPeople = 3;
+constexpr size_t kPeople = 3;
 constexpr int kSteps = 4;
 constexpr float kDefaultValue = 0.5F;  // of roughness and specular in Blender's Principled BSDF
 constexpr float kHeadShare = 0.17F;    // of a person's height that the picture of the head shows
@@ -105,8 +105,8 @@ ByteImage realism_figure(const SampleIndex& index, const RealismPictures& pictur
   std::vector<std::filesystem::path> models;
   for (const IndexedPerson& person : index.people)
     if (!person.model.empty() && std::filesystem::is_directory(person.model)) models.push_back(person.model);
-  if (models.empty()) return {};
-  if (models.size() > kMostPeople) models = {models.front(), models[models.size() / 2], models.back()};
+  if (models.size() < kPeople) return {};
+  models = {models.front(), models[models.size() / 2], models.back()};
   const auto lights =
       renderer::prepare_lights({read_environment(program_file("assets/environments/studio.exr"))}, {});
   Progress progress("realism figure", 2 * kSteps * models.size(), quiet);
@@ -118,6 +118,7 @@ ByteImage realism_figure(const SampleIndex& index, const RealismPictures& pictur
   renderer::RenderSettings settings;
   settings.size_px = pictures.size_px;
   settings.spp = pictures.spp;
+  settings.adaptive = true;
   for (const std::filesystem::path& model : models) add_person(model, *lights, settings, add);
   return grid_of(cells, 2 * kSteps);
 }

@@ -50,10 +50,11 @@ std::string changes_of(const TestMaterial& material, bool has_normals) {
   std::filesystem::create_directory(folder / "model");
   write_model(folder / "model", head_of_a_ball(material, has_normals));
   SampleIndex index;
-  index.people = {{"ann", "train", {}, folder / "model"}, {"bob", "train", {}, folder / "gone"}};
+  for (const char* id : {"ann", "bob", "cy"}) index.people.push_back({id, "train", {}, folder / "model"});
+  index.people.push_back({"dan", "train", {}, folder / "gone"});
   const ByteImage figure = realism_figure(index, {kCell_px, 4}, true);
   EXPECT_EQ(figure.width_px, 8 * kCell_px);
-  EXPECT_EQ(figure.height_px, kCell_px);
+  EXPECT_EQ(figure.height_px, 3 * kCell_px);
   return changes(figure);
 }
 
@@ -65,7 +66,7 @@ TEST(Realism, EachStepChangesWhatItAdds) {
 
 TEST(Realism, NobodysModelNoFigure) {
   SampleIndex index;
-  index.people = {{"ann", "train", {}, {}}};
+  index.people = {{"ann", "train", {}, {}}, {"bob", "train", {}, {}}, {"cy", "train", {}, {}}};
   EXPECT_TRUE(realism_figure(index, {kCell_px, 4}, true).values.empty());
 }
 
