@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <set>
 
 #include "dataset/model/error.h"
 #include "dataset/model/interrupt.h"
 #include "dataset/model/progress.h"
 #include "learner/data.h"
 #include "learner/estimator.h"
+#include "learner/unseen.h"
 
 namespace ohb::learner {
 namespace fs = std::filesystem;
@@ -28,52 +28,6 @@ Scores no_scores() {
   Scores scores;
   scores.fill({std::nan(""), std::nan("")});
   return scores;
-}
-
-using TrainedOn = std::map<std::string, std::vector<std::string>>;
-
-/// Which of the networks were trained on whom.
-TrainedOn trained_on(const std::vector<nlohmann::json>& headers) {
-  TrainedOn trained;
-  for (const nlohmann::json& header : headers)
-    for (const auto& name : header.value("trained_on", std::vector<std::string>{}))
-      trained[name].push_back(header.at("task").get<std::string>());
-  return trained;
-}
-
-/// Those of `people` whom none of the networks was trained on; the others are named if they are few.
-std::vector<std::string> unseen(const std::vector<std::string>& people, const TrainedOn& trained) {
-  std::vector<std::string> found;
-  for (const std::string& name : people)
-    if (const auto by = trained.find(name); by == trained.end())
-      found.push_back(name);
-    else
-      spdlog::warn("{} is left out: {} was trained on that person", name, fmt::join(by->second, ", "));
-  return found;
-}
-
-std::vector<std::string> people_of(const EvaluateOptions& options, const Dataset& dataset,
-                                   const Estimator& estimator, const TrainedOn& trained) {
-  std::set<std::string> there, held_out;
-  for (const Person& person : dataset.people) there.insert(person.name);
-  for (const std::string& name : options.people)
-    if (there.count(name) == 0)
-      throw InputError(options.data.string(), "--person " + name, "nobody of that name is in the dataset",
-                       "names are the samples' ohb:human");
-  if (!options.people.empty()) return options.people;
-  for (const nlohmann::json& header : estimator.headers())
-    for (const auto& name : header.value("held_out", std::vector<std::string>{}))
-      if (there.count(name)) held_out.insert(name);
-  std::vector<std::string> found = unseen({held_out.begin(), held_out.end()}, trained);
-  if (!found.empty()) return found;
-  for (const std::string& name : there)
-    if (trained.count(name) == 0) found.push_back(name);
-  if (found.empty())
-    throw InputError(options.data.string(), "", "the networks were trained on everybody there",
-                     "give other people's samples, or name some with --person: the table will mark them");
-  spdlog::warn("nobody whom training held out is in {}: everybody there is evaluated whom it was not done on",
-               options.data.string());
-  return found;
 }
 
 /// Mean of the encoded maps over the foreground of (some of) the views: (1, channels, 1, 1).
@@ -100,14 +54,69 @@ Tensor input_colour(const Example& e) {
   return ((e.input.slice(1, 0, 3) + 1) / 2 / e.mask.clamp_min(1e-3)).clamp(0, 1);
 }
 
+struct Sum {
+  MeanOf<Scores> psnr;
+  MeanOf<Measures> measures;
+
+  void add(const Scores& scores, const Measures& measured) {
+    psnr.add(scores);
+    measures.add(measured);
+  }
+  Marks mean() const { return {psnr.mean(), measures.mean()}; }
+};
+
+/// One value of each person of a row.
+template <typename ValueOf>
+std::vector<double> values_of(const EvaluationRow& row, ValueOf value_of) {
+  std::vector<double> values;
+  for (const auto& [person, marks] : row.people) values.push_back(value_of(marks));
+  return values;
+}
+
+/// Means, deviations and intervals over the people of a row.
+void summarise(EvaluationRow& row) {
+  Sum over_people;
+  for (const auto& [person, marks] : row.people) over_people.add(marks.psnr, marks.measures);
+  row.mean = over_people.mean();
+  for (size_t c = 0; c < kColumns.size(); ++c) {
+    const std::vector<double> values = values_of(row, [&](const Marks& m) { return m.psnr[c].masked; });
+    double squares = 0;
+    for (const double value : values) squares += std::pow(value - row.mean.psnr[c].masked, 2);
+    row.deviation_dB[c] = std::sqrt(squares / static_cast<double>(values.size()));
+    row.interval_dB[c] = bootstrap_of_mean(values);
+  }
+  for (size_t m = 0; m < kMeasureCount; ++m)
+    row.interval[m] =
+        bootstrap_of_mean(values_of(row, [&](const Marks& marks) { return marks.measures[m]; }));
+}
+
+/// A row's marks by group of people.
+std::vector<PartOfPictures> by_group(const EvaluationRow& row) {
+  std::vector<std::string> people;
+  for (const auto& [person, marks] : row.people) people.push_back(person);
+  std::vector<PartOfPictures> parts;
+  for (const auto& [name, members] : groups_of(people)) {
+    Sum sum;
+    for (const std::string& person : members)
+      sum.add(row.people.at(person).psnr, row.people.at(person).measures);
+    parts.push_back({name, members.size(), sum.mean()});
+  }
+  return parts;
+}
+
+std::string words_of(const nlohmann::json& header) {
+  return fmt::format("{} (width {:g}, {} steps)", header.value("task", "?"), header.value("width", 0.0),
+                     header.value("step", int64_t{0}));
+}
+
 class Evaluation {
  public:
   /// `relit` may be null.
   Evaluation(const Estimator& estimator, Tensor constant, RelitScores* relit)
       : estimator_(estimator), constant_(std::move(constant)), relit_(relit) {}
 
-  /// One picture; relit too where a camera is given.
-  void add(const Example& e, const std::optional<Camera>& camera) {
+  /// One picture under a light of that name; relit too where a camera is given.
+  void add(const Example& e, const std::string& light, const std::optional<Camera>& camera) {
     const auto start = std::chrono::steady_clock::now();
     const MaterialMaps priors = estimator_.from_priors(e.input);
     const MaterialMaps refined = estimator_.has_finetune() ? estimator_.estimate(e.input) : priors;
@@ -117,9 +126,11 @@ class Evaluation {
     if (relights) relit_->begin(e, *camera);
     const auto put = [&](Row row, const MaterialMaps& maps) {
       Scores scores = scores_of(maps, e.truth, e.mask);
+      const Measures measures = measures_of(maps, e.truth, e.mask);
       // The picture of maps that are not all there: the shader takes NaN for dark.
       if (row == kPriors && !estimator_.is_whole()) scores.back() = {std::nan(""), std::nan("")};
-      sums_[e.person][row].add(scores);
+      sums_[e.person][row].add(scores, measures);
+      if (row == (estimator_.has_finetune() ? kFinetuned : kPriors)) by_light_[light].add(scores, measures);
       if (relights) relit_->add(kRowNames[row], maps);
     };
     if (estimator_.has_finetune()) put(kFinetuned, refined);
@@ -128,7 +139,8 @@ class Evaluation {
     put(kEightBit, eight_bit(e.truth));
     Scores albedo = no_scores();
     albedo[1] = psnr(input_colour(e), srgb_of(e.truth.diffuse), e.mask);
-    sums_[e.person][kInputAsAlbedo].add(albedo);
+    sums_[e.person][kInputAsAlbedo].add(albedo,
+                                        albedo_measures(linear_of(input_colour(e)), e.truth.diffuse, e.mask));
   }
 
   EvaluationReport report() const {
@@ -136,24 +148,16 @@ class Evaluation {
     report.pictures = pictures_;
     report.seconds_a_picture = seconds_ / static_cast<double>(std::max<size_t>(1, pictures_));
     for (int row = 0; row < kRowCount; ++row) {
-      EvaluationRow r{kRowNames[row], {}, {}, {}};
-      MeanOf<Scores> over_people;
-      for (const auto& [person, rows] : sums_) {
-        const auto found = rows.find(static_cast<Row>(row));
-        if (found == rows.end()) continue;
-        r.people[person] = found->second.mean();
-        over_people.add(r.people[person]);
-      }
-      if (over_people.count() == 0) continue;
-      r.mean = over_people.mean();
-      for (size_t c = 0; c < kColumns.size(); ++c) {
-        double squares = 0;
-        for (const auto& [person, scores] : r.people)
-          squares += std::pow(scores[c].masked - r.mean[c].masked, 2);
-        r.deviation_dB[c] = std::sqrt(squares / static_cast<double>(r.people.size()));
-      }
+      EvaluationRow r;
+      r.name = kRowNames[row];
+      for (const auto& [person, rows] : sums_)
+        if (const auto found = rows.find(static_cast<Row>(row)); found != rows.end())
+          r.people[person] = found->second.mean();
+      if (r.people.empty()) continue;
+      summarise(r);
       report.rows.push_back(r);
     }
+    for (const auto& [light, sum] : by_light_) report.lights.push_back({light, sum.psnr.count(), sum.mean()});
     return report;
   }
 
@@ -161,30 +165,11 @@ class Evaluation {
   const Estimator& estimator_;
   Tensor constant_;
   RelitScores* relit_;
-  std::map<std::string, std::map<Row, MeanOf<Scores>>> sums_;
+  std::map<std::string, std::map<Row, Sum>> sums_;
+  std::map<std::string, Sum> by_light_;  // of the estimate
   double seconds_ = 0;
   size_t pictures_ = 0;
 };
-
-double material_mean(const Scores& scores, double Psnr::*value) {
-  double sum = 0;
-  for (size_t i = 0; i < kMaps.size(); ++i) sum += scores[i].*value;
-  return sum / static_cast<double>(kMaps.size());
-}
-
-std::string table_of(const EvaluationReport& report, double Psnr::*value, const std::string& title) {
-  std::string text = title + "\n\n| row             |";
-  for (const char* column : kColumns) text += fmt::format(" {:>6} |", column);
-  text += " maps mean |\n|-----------------|";
-  for (size_t i = 0; i < kColumns.size(); ++i) text += "-------:|";
-  text += "----------:|\n";
-  for (const EvaluationRow& row : report.rows) {
-    text += fmt::format("| {:<15} |", row.name);
-    for (const Psnr& score : row.mean) text += table_cell(score.*value);
-    text += "   " + table_cell(material_mean(row.mean, value)) + "\n";
-  }
-  return text + "\n";
-}
 
 }  // namespace
 
@@ -192,7 +177,7 @@ EvaluationReport evaluate(const EvaluateOptions& options) {
   const Estimator estimator(options.weights, PriorsNeeded::kAny);
   const Dataset dataset = read_dataset(options.data);
   const TrainedOn trained = trained_on(estimator.headers());
-  const std::vector<std::string> people = people_of(options, dataset, estimator, trained);
+  const std::vector<std::string> people = people_to_judge(options.people, dataset, estimator.headers());
   const int size_px = options.size_px > 0 ? options.size_px : estimator.header().at("size_px").get<int>();
   if (size_px % kResolutionStep != 0)
     throw InputError("", "--size " + std::to_string(size_px), "is no multiple of 16", "give another");
@@ -215,7 +200,7 @@ EvaluationReport evaluate(const EvaluateOptions& options) {
     const auto chosen = to_relight.find(view);
     for (size_t light = 0; light < sample.lights.size(); ++light) {
       const bool relights = chosen != to_relight.end() && chosen->second % sample.lights.size() == light;
-      evaluation.add(example_of(sample, view, light, size_px),
+      evaluation.add(example_of(sample, view, light, size_px), sample.lights[light].name,
                      relights ? std::optional(camera_of(sample, view)) : std::nullopt);
     }
     progress.add();
@@ -225,44 +210,10 @@ EvaluationReport evaluate(const EvaluateOptions& options) {
   for (const std::string& name : people)
     if (const auto by = trained.find(name); by != trained.end()) report.trained_on.insert(*by);
   report.size_px = size_px;
+  report.groups = by_group(report.rows.front());
+  for (const nlohmann::json& header : estimator.headers()) report.networks.push_back(words_of(header));
   if (relit) report.relit = relit->report();
   return report;
-}
-
-std::string table_of(const EvaluationReport& report) {
-  std::string marks;
-  for (const auto& [name, by] : report.trained_on)
-    marks += fmt::format("TRAINED ON, not held out: {} (by {})\n\n", name, fmt::join(by, ", "));
-  return marks +
-         table_of(report, &Psnr::masked,
-                  "PSNR over the foreground, dB: mean over pictures, then over people") +
-         table_of(report, &Psnr::full, "PSNR over the whole frame, dB") +
-         (report.relit ? table_of(*report.relit) : "");
-}
-
-nlohmann::json json_of(const EvaluationReport& report) {
-  const auto scores_json = [&](const Scores& scores) {
-    nlohmann::json json;
-    for (size_t i = 0; i < scores.size(); ++i)
-      json[kColumns[i]] = {{"masked", json_number(scores[i].masked)}, {"full", json_number(scores[i].full)}};
-    json["maps_mean"] = {{"masked", json_number(material_mean(scores, &Psnr::masked))},
-                         {"full", json_number(material_mean(scores, &Psnr::full))}};
-    return json;
-  };
-  nlohmann::json json = {{"people", report.people},
-                         {"trained_on", report.trained_on},
-                         {"pictures", report.pictures},
-                         {"size_px", report.size_px},
-                         {"seconds_a_picture", report.seconds_a_picture}};
-  for (const EvaluationRow& row : report.rows) {
-    nlohmann::json r = {{"name", row.name}, {"mean", scores_json(row.mean)}};
-    for (size_t i = 0; i < kColumns.size(); ++i)
-      r["deviation_dB"][kColumns[i]] = json_number(row.deviation_dB[i]);
-    for (const auto& [person, scores] : row.people) r["people"][person] = scores_json(scores);
-    json["rows"].push_back(r);
-  }
-  if (report.relit) json["relighting"] = json_of(*report.relit);
-  return json;
 }
 
 }  // namespace ohb::learner

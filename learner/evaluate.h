@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "learner/measures.h"
 #include "learner/metrics.h"
 #include "learner/relit_scores.h"
 
@@ -23,16 +24,32 @@ struct EvaluateOptions {
   bool quiet = false;
 };
 
+/// A mean of pictures; NaN where there is no value.
+struct Marks {
+  Scores psnr;
+  Measures measures;
+};
+
 struct EvaluationRow {
   std::string name;
-  std::map<std::string, Scores>
-      people;   // mean over the pictures of each person; NaN where a row has no value
-  Scores mean;  // mean over people
-  std::array<double, kColumns.size()> deviation_dB;  // of the masked values between people
+  std::map<std::string, Marks> people;                // mean over the pictures of each person
+  Marks mean;                                         // mean over people
+  std::array<double, kColumns.size()> deviation_dB;   // of the masked values between people
+  std::array<Interval, kColumns.size()> interval_dB;  // of the mean of the masked values
+  std::array<Interval, kMeasureCount> interval;       // of the mean of the measures
+};
+
+/// The estimate's marks of some of the pictures.
+struct PartOfPictures {
+  std::string name;
+  size_t count = 0;  // of people, or of pictures under a light
+  Marks mean;
 };
 
 struct EvaluationReport {
   std::vector<EvaluationRow> rows;  // finetuned, priors, constant, input as albedo, 8-bit round trip
+  std::vector<PartOfPictures> groups, lights;  // of the first row
+  std::vector<std::string> networks;           // task, width, and steps of each, in words
   std::vector<std::string> people;
   std::map<std::string, std::vector<std::string>> trained_on;  // of these people: the networks that knew them
   size_t pictures = 0;
@@ -54,8 +71,12 @@ struct EvaluationReport {
 /// RelitScores; a sample without its camera, if it is relit.
 EvaluationReport evaluate(const EvaluateOptions& options);
 
-/// Two tables, masked and full frame, and one of relighting, one row a line: for the terminal and for a
-/// Markdown file.
+/// People by the words of their names (digits left out, words that the same people have joined): those of
+/// "p0003_m30_black" are "p", "m" and "black". Groups of one and of all are left out. Sorted by name.
+std::map<std::string, std::vector<std::string>> groups_of(const std::vector<std::string>& people);
+
+/// Tables, one row a line: PSNR masked and full frame, the measures, both by group and by light, relighting.
+/// For the terminal and for a Markdown file.
 std::string table_of(const EvaluationReport& report);
 nlohmann::json json_of(const EvaluationReport& report);
 

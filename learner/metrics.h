@@ -23,6 +23,9 @@ constexpr auto kColumns = column_names();
 struct Psnr {
   double masked = 0;  // over the pixels with mask > 0.5
   double full = 0;    // over the whole frame, both pictures multiplied by the mask
+
+  Psnr operator+(const Psnr& other) const { return {masked + other.masked, full + other.full}; }
+  Psnr operator/(double divisor) const { return {masked / divisor, full / divisor}; }
 };
 
 /// a and b (1, C, H, W), mask (1, 1, H, W) with some foreground.
@@ -32,7 +35,7 @@ Psnr psnr(const torch::Tensor& a, const torch::Tensor& b, const torch::Tensor& m
 /// sRGB-encoded.
 std::array<torch::Tensor, kColumns.size()> columns_of(const MaterialMaps& maps);
 
-/// The mean of scores, an array or vector of Psnr, column by column.
+/// The mean of scores, an array or vector of Psnr or of numbers, column by column.
 template <typename List>
 class MeanOf {
  public:
@@ -41,13 +44,12 @@ class MeanOf {
       sum_ = scores;
       return;
     }
-    for (size_t i = 0; i < scores.size(); ++i)
-      sum_[i].masked += scores[i].masked, sum_[i].full += scores[i].full;
+    for (size_t i = 0; i < scores.size(); ++i) sum_[i] = sum_[i] + scores[i];
   }
   size_t count() const { return count_; }
   List mean() const {
     List scores = sum_;
-    for (Psnr& p : scores) p.masked /= static_cast<double>(count_), p.full /= static_cast<double>(count_);
+    for (auto& score : scores) score = score / static_cast<double>(count_);
     return scores;
   }
 

@@ -81,10 +81,21 @@ TEST(Evaluate, FillsTheTableForHeldOutPeople) {
             (std::set<std::string>{"finetuned", "priors", "constant", "input as albedo", "8-bit truth"}));
   for (const EvaluationRow& row : report.rows)
     for (size_t c = 0; c < kColumns.size(); ++c)
-      EXPECT_EQ(std::isfinite(row.mean[c].masked), row.name != "input as albedo" || c == 1) << row.name << c;
+      EXPECT_EQ(std::isfinite(row.mean.psnr[c].masked), row.name != "input as albedo" || c == 1)
+          << row.name << c;
   const std::string table = table_of(report);
   EXPECT_NE(table.find("| priors "), std::string::npos) << table;
   EXPECT_EQ(json_of(report)["rows"].size(), 5u);
+  EXPECT_NE(table.find("finetuned, by light"), std::string::npos) << table;
+  ASSERT_EQ(report.lights.size(), 2u);
+  EXPECT_EQ(report.lights[1].name, "right");
+  EXPECT_EQ(report.lights[1].count, 2u);
+  for (const EvaluationRow& row : report.rows)
+    for (const size_t m : {kAlbedoScaled_dB, kAlbedoSsim})
+      EXPECT_TRUE(std::isfinite(row.mean.measures[m])) << row.name << kMeasureNames[m];
+  EXPECT_LT(report.rows.back().mean.measures[kNormalMean_deg], 0.5) << "8-bit truth";
+  // Pixels of two materials in equal shares are as near to the one as to the other: rounding decides.
+  EXPECT_GT(report.rows.back().mean.measures[kClassIou], 0.8);
   ASSERT_TRUE(report.relit);
   EXPECT_EQ(report.relit->pictures, 1u) << "one view under one light";
   std::vector<std::string> relit_rows;
@@ -152,7 +163,7 @@ TEST(Evaluate, OnePriorAlone) {
     const EvaluationRow& row = report.rows[0];
     EXPECT_EQ(row.name, "priors");
     for (size_t c = 0; c < kColumns.size(); ++c)
-      EXPECT_EQ(std::isfinite(row.mean[c].masked), columns[i].count(kColumns[c]) > 0) << kColumns[c];
+      EXPECT_EQ(std::isfinite(row.mean.psnr[c].masked), columns[i].count(kColumns[c]) > 0) << kColumns[c];
   }
   o.weights = {weights[0], weights[1], weights[3]};
   expect_message(input_error_of([&] { evaluate(o); }), {"no rss prior"});
