@@ -55,8 +55,8 @@ renderer::PixelBox box_of(const Tensor& mask) {
 
 }  // namespace
 
-std::vector<Tensor> relit(const MaterialMaps& maps, const Tensor& mask, const Camera& camera,
-                          float half_frame_cm, const renderer::LightSet& lights, int spp) {
+std::vector<Tensor> relit_radiance(const MaterialMaps& maps, const Tensor& mask, const Camera& camera,
+                                   float half_frame_cm, const renderer::LightSet& lights, int spp) {
   renderer::RenderSettings settings;
   settings.size_px = static_cast<int>(mask.size(3));
   settings.spp = spp;
@@ -68,7 +68,14 @@ std::vector<Tensor> relit(const MaterialMaps& maps, const Tensor& mask, const Ca
   const Tensor unknown = (mask > 0) & ~known_pixels(maps, mask);
   std::vector<Tensor> pictures;
   for (const SampleLight& image : images)
-    pictures.push_back(srgb_of(tensor_of(image.radiance)).masked_fill(unknown, std::nan("")));
+    pictures.push_back(tensor_of(image.radiance).masked_fill(unknown, std::nan("")));
+  return pictures;
+}
+
+std::vector<Tensor> relit(const MaterialMaps& maps, const Tensor& mask, const Camera& camera,
+                          float half_frame_cm, const renderer::LightSet& lights, int spp) {
+  std::vector<Tensor> pictures = relit_radiance(maps, mask, camera, half_frame_cm, lights, spp);
+  for (Tensor& picture : pictures) picture = srgb_of(picture);
   return pictures;
 }
 

@@ -34,6 +34,12 @@ struct RelitReport {
   double seconds_a_picture = 0;  // of all rows and environments
 };
 
+/// Radiance of maps under each light, (1, 3, N, N), linear, not multiplied by the mask. NaN in covered pixels
+/// of which a map is not finite; black where nothing is covered.
+std::vector<torch::Tensor> relit_radiance(const MaterialMaps& maps, const torch::Tensor& mask,
+                                          const Camera& camera, float half_frame_cm,
+                                          const renderer::LightSet& lights, int spp);
+
 /// Pictures of maps under each light, (1, 3, N, N), sRGB-encoded and clipped to [0, 1], not multiplied by the
 /// mask. NaN in covered pixels of which a map is not finite; black where nothing is covered.
 std::vector<torch::Tensor> relit(const MaterialMaps& maps, const torch::Tensor& mask, const Camera& camera,

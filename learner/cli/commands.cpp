@@ -30,12 +30,14 @@ void use_threads(int threads) {
 // Each of these is in its own cmd_<name>.cpp.
 void add_train_command(CLI::App& app, Commands& commands);
 void add_evaluate_command(CLI::App& app, Commands& commands);
+void add_stress_command(CLI::App& app, Commands& commands);
 void add_estimate_command(CLI::App& app, Commands& commands);
 void add_relight_command(CLI::App& app, Commands& commands);
 
 void Commands::add_to(CLI::App& app) {
   add_train_command(app, *this);
   add_evaluate_command(app, *this);
+  add_stress_command(app, *this);
   add_estimate_command(app, *this);
   add_relight_command(app, *this);
 }

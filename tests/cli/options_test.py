@@ -14,7 +14,7 @@ from support import BAD_INPUT, DONE, Programs, run
 COMMANDS = ["inspect", "label", "bake", "render", "validate", "people", "produce", "submit", "status", "verify", "environments",
             "environments import", "environments synthesise", "environments list", "export", "chart",
             "chart speed-accuracy", "chart stress", "chart bake", "chart bake-stress"]
-LEARNER_COMMANDS = ["train", "evaluate", "estimate", "relight"]
+LEARNER_COMMANDS = ["train", "evaluate", "stress", "estimate", "relight"]
 NUMBER = re.compile(r"^  (?:-\w,)?(--[\w-]+) (INT|UINT|FLOAT)(?::(\S+?)\.\.([^\s=]+))?", re.MULTILINE)
 BAD_NUMBERS = ["nan", "-nan", "inf", "-inf", "1e999", "-1e999", "1e-999", "1e300", "-1e300", "1e-300", "-1e-300", "x", "",
                " ", "1x", "0x10", "99999999999999999999999", "-99999999999999999999999", "1,5", "--"]

@@ -119,6 +119,8 @@ class Fixture:
                 "estimate": [*self.estimate(output)[:-4], "--size", 1024 if heavy else 64, "-o", output],
                 "evaluate": [h, "evaluate", *self.estimate(output)[6:9], "--data", f / "samples", "--person", "scan", "--size", 64,
                              *light, "--relight-spp", 4096 if heavy else 1, "-o", output],
+                "stress": [h, "stress", *self.estimate(output)[6:9], "--data", f / "samples", "--person", "scan", "--size", 64,
+                           "--spp", 4096 if heavy else 1, "-o", output],
                 "relight": [h, "relight", f / "maps", *light, "--size", 512 if heavy else 16, "--spp", 4096 if heavy else 1,
                             "-o", output.with_suffix(".png")],
             })
