@@ -179,3 +179,33 @@ def set_output(scene, kind):
 def path_options():
     """Options of a file property: paths relative to the .blend, where that has to be declared (4.5+)."""
     return {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version[:2] >= (4, 5) else set()
+
+
+def _drawing():
+    import gpu   # there is none without a window
+    from gpu_extras.batch import batch_for_shader
+    try:
+        return gpu, gpu.shader.from_builtin("UNIFORM_COLOR"), batch_for_shader   # 4.0+
+    except (ValueError, SystemError):
+        return gpu, gpu.shader.from_builtin("2D_UNIFORM_COLOR"), batch_for_shader
+
+
+def draw_line(points, color, width_px):
+    """In a region's pixels, from a draw handler."""
+    if len(points) < 2:
+        return
+    gpu, shader, batch_for_shader = _drawing()
+    is_flat = shader.name.find("2D") >= 0
+    batch = batch_for_shader(shader, "LINE_STRIP", {"pos": [p if is_flat else (*p, 0) for p in points]})
+    gpu.state.blend_set("ALPHA")
+    gpu.state.line_width_set(width_px)
+    shader.bind()
+    shader.uniform_float("color", color)
+    batch.draw(shader)
+    gpu.state.line_width_set(1)
+    gpu.state.blend_set("NONE")
+
+
+def draw_circle(place, radius_px, color):
+    from gpu_extras.presets import draw_circle_2d
+    draw_circle_2d(place, color, radius_px)

@@ -7,6 +7,7 @@
 #include <optional>
 #include <ostream>
 
+#include "dataset/commands/scan_hand_over.h"
 #include "dataset/labelling/labeller.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/error.h"
@@ -111,14 +112,35 @@ class Session {
       strokes_.strokes.pop_back();
       return solve();
     }
+    if (what == "strokes") {
+      strokes_.strokes = strokes_of(request);
+      return solve();
+    }
+    if (what == "mesh") {
+      Json json = hand_over_scan(scan_, text_of(request, "folder"));
+      json["scan_sha256"] = strokes_.scan_sha256;
+      return json;
+    }
     if (what == "save") {
       write_file_atomically(text_of(request, "file"), labelling::strokes_xml(strokes_));
       return {{"strokes", strokes_.strokes.size()}};
     }
-    throw request_error("\"" + what + "\" is not known", "use stroke, undo, save or quit");
+    throw request_error("\"" + what + "\" is not known", "use stroke, strokes, undo, mesh, save or quit");
   }
 
  private:
+  std::vector<labelling::Stroke> strokes_of(const Json& request) const {
+    const Json& list = member(request, "strokes");
+    if (!list.is_array()) throw request_error("\"strokes\" is no list", "write one object a stroke");
+    std::vector<labelling::Stroke> strokes;
+    for (const Json& one : list) {
+      if (!one.is_object()) throw request_error("a stroke is no JSON object", "see docs/label_files.md");
+      strokes.push_back(stroke_of(one));
+      strokes.back().time_s = static_cast<double>(strokes.size() - 1);
+    }
+    return strokes;
+  }
+
   labelling::Stroke stroke_of(const Json& request) const {
     labelling::Stroke stroke;
     const std::string name = text_of(request, "class");
@@ -204,7 +226,8 @@ void serve_labels(const LabelServeJob& job, std::istream& in, std::ostream& out)
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     Json answer;
     try {
-      if (line.size() > kMaxRequest_bytes) throw request_error("is longer than 1 MiB", "thin its points out");
+      if (line.size() > kMaxRequest_bytes)
+        throw request_error("is longer than 16 MiB", "thin its points out");
       const Json request = parse_json<Json>(line, "request");
       if (!request.is_object()) throw request_error("is no JSON object", "write one object a line");
       if (request.contains("id")) answer["id"] = request["id"];

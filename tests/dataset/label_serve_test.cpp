@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cstring>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "dataset/commands/label.h"
+#include "dataset/model/atomic_file.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/tube_person.h"
 
@@ -98,6 +100,37 @@ TEST(LabelServe, WhatItSavesLabelsTheSameAgain) {
   EXPECT_EQ(read_regions(label.output).face_class, face_class);
 }
 
+TEST(LabelServe, AListOfStrokesReplacesThoseSoFar) {
+  const Conversation talk;
+  const Json leather = Json::parse(talk.stroke_at(24 * 20 + 12, "leather", 1));
+  const std::string list = Json{{"do", "strokes"}, {"strokes", {leather}}}.dump() + "\n";
+  const auto one = talk.answers(talk.stroke_at(24 * 20 + 12, "leather", 1));
+  const auto other = talk.answers(talk.stroke_at(24 * 50, "hair", 1) + list);
+  std::vector<uint8_t> expected(24 * 60), face_class(24 * 60);
+  for (const Json& answer : one) apply_changes(answer, expected);
+  for (const Json& answer : other) apply_changes(answer, face_class);
+  EXPECT_EQ(other[2]["strokes"], 1);
+  EXPECT_EQ(face_class, expected);
+}
+
+TEST(LabelServe, HandsOverTheMeshAsItWasRead) {
+  const Conversation talk;
+  const auto folder = talk.person.folder / "hand over";
+  const Json mesh = talk.answers(Json{{"do", "mesh"}, {"folder", folder.string()}}.dump())[1];
+  const Scan scan = read_scan(talk.job.scan);
+  ASSERT_EQ(mesh["faces"], scan.face_count());
+  EXPECT_EQ(mesh["scan_sha256"], sha256_of_file(talk.job.scan));
+  EXPECT_EQ(mesh["materials"][0]["picture"], scan.materials[0].diffuse.file.string());
+  const std::string bytes = read_file(mesh["file"].get<std::string>());
+  const size_t p = scan.positions.size(), f = scan.face_count(), c = scan.corners.size();
+  ASSERT_EQ(bytes.size(), 12 * p + 4 * (f + 1) + 12 * c + 4 * f);
+  EXPECT_EQ(std::memcmp(bytes.data(), scan.positions.data(), 12 * p), 0);
+  EXPECT_EQ(std::memcmp(bytes.data() + 12 * p, scan.face_begin.data(), 4 * (f + 1)), 0);
+  uint32_t last = 0;
+  std::memcpy(&last, bytes.data() + 12 * p + 4 * (f + 1) + 4 * (c - 1), 4);
+  EXPECT_EQ(last, scan.corners.back().position);
+}
+
 TEST(LabelServe, WrongLinesAreAnsweredInWordsAndChangeNothing) {
   const Conversation talk;
   const std::vector<std::pair<std::string, std::string>> wrong = {
@@ -126,7 +159,10 @@ TEST(LabelServe, WrongLinesAreAnsweredInWordsAndChangeNothing) {
        "deeper than 64"},
       {"{\"do\":\"undo\",\"id\":" + std::string(500000, '['), "deeper than 64"},
       {"{\"do\":\"save\",\"file\":\"" + std::string(5000, 'n') + "\"}", "name too long"},
-      {std::string(kMaxRequest_bytes + 10, 'x'), "longer than 1 MiB"}};
+      {std::string(kMaxRequest_bytes + 10, 'x'), "longer than 16 MiB"},
+      {"{\"do\":\"strokes\",\"strokes\":{}}", "\"strokes\" is no list"},
+      {"{\"do\":\"strokes\",\"strokes\":[1]}", "a stroke is no JSON object"},
+      {"{\"do\":\"mesh\",\"folder\":\"/proc/none\"}", "/proc/none"}};
   std::string requests = "\n";
   for (const auto& [line, message] : wrong) requests += line + "\n";
   const auto answers = talk.answers(requests + "{\"do\":\"undo\"}");

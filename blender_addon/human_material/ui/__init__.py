@@ -3,9 +3,11 @@
 import bpy
 
 from ..services import watch
-from . import operators, panels, properties
+from . import (label_loop, label_operators, label_paint, label_panels, label_properties, operators, panels,
+               preferences, properties)
 
-CLASSES = (*properties.CLASSES, *operators.CLASSES, *panels.CLASSES)
+CLASSES = (*preferences.CLASSES, *label_properties.CLASSES, *properties.CLASSES, *operators.CLASSES,
+           *label_paint.CLASSES, *label_operators.CLASSES, *label_panels.CLASSES, *panels.CLASSES)
 
 
 def register():
@@ -13,9 +15,13 @@ def register():
         bpy.utils.register_class(cls)
     bpy.types.Scene.hm = bpy.props.PointerProperty(type=properties.HM_PG_scene)
     watch.register()
+    label_loop.register()
+    label_paint.register()
 
 
 def unregister():
+    label_paint.unregister()
+    label_loop.unregister()
     watch.unregister()
     del bpy.types.Scene.hm
     for cls in reversed(CLASSES):

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings of the panels, kept in the scene (scene.hm)."""
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, PointerProperty
 
 from .. import compat
 from ..services import camera, environment, material, relief, render
+from . import label_properties
 
 SUBSURFACE_ITEMS = (
     ("random_walk_skin", "Random walk for skin", "Least noise, keeps details sharp"),
@@ -83,6 +84,7 @@ class HM_PG_scene(bpy.types.PropertyGroup):
                     "for other views and sizes: then the maps are interpolated")
     samples: IntProperty(name="Final Samples", default=64, min=1, soft_max=1024, update=_update_samples,
                          description="Samples a pixel of the picture")
+    label: PointerProperty(type=label_properties.HM_PG_label)
     preview_samples: IntProperty(name="Preview Samples", default=16, min=1, soft_max=256, update=_update_samples,
                                  description="Samples a pixel in the viewport")
 

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""REGIONS of a labelled scan: the command line's own result for its strokes. No bpy."""
+import os
+import shutil
+import tempfile
+
+from . import programs
+from .errors import InputError
+from .labelling import UNLABELLED
+
+HEAD = '<?xml version="1.0"?>\n<strokes schema="1.0" scan_sha256="%s">\n'
+
+
+def strokes_xml(strokes, sha256):
+    """As `--serve` saves them."""
+    lines = [HEAD % sha256]
+    for time_s, stroke in enumerate(strokes):
+        lines.append('  <stroke class="%s" radius_cm="%r" time_s="%d">\n'
+                     % (stroke["class"], stroke["radius_cm"], time_s))
+        lines += ['    <point face="%d" at="%s"/>\n' % (p[0], ",".join(repr(c) for c in p[1:]))
+                  for p in stroke["points"]]
+        lines.append("  </stroke>\n")
+    return "".join(lines) + "</strokes>\n"
+
+
+def write_strokes(path, strokes, sha256):
+    """Whole or not at all."""
+    try:
+        handle, part = tempfile.mkstemp(dir=os.path.dirname(os.path.abspath(path)), suffix=".part")
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(strokes_xml(strokes, sha256))
+        os.chmod(part, 0o644)
+        os.replace(part, path)
+    except OSError as error:
+        raise InputError(path, "", "cannot be written (%s)" % error.strerror, "choose another folder") from None
+
+
+class Saving:
+    """`openhumanbrdf label --strokes` while the artist goes on."""
+
+    def __init__(self, program, scan, strokes, sha256, options, output):
+        self.output, self.name = output, ""
+        self._folder = tempfile.mkdtemp(prefix="hm_label")
+        try:
+            file = os.path.join(self._folder, "strokes.xml")
+            write_strokes(file, strokes, sha256)
+            command = [program, "label", scan, "--strokes", file, "-o", output]
+            for option, value in options.items():
+                command += ["--" + option, value] if value else []
+            self._run = programs.Run(command)
+        except InputError:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            raise
+
+    def words(self):
+        return self._run.last_words()
+
+    def cancel(self):
+        self._run.cancel()
+
+    def wait(self, timeout_s=None):
+        return self._run.wait(timeout_s)
+
+    def is_done(self):
+        return self._run.is_done()
+
+    def classes(self):
+        """Of each face. Raises InputError with the program's own words."""
+        try:
+            self._run.result()
+        finally:
+            shutil.rmtree(self._folder, ignore_errors=True)
+        path = os.path.join(self.output, "faces.txt")
+        try:
+            with open(path, encoding="ascii") as file:
+                values = [int(line) for line in file]
+        except (OSError, ValueError):
+            raise InputError(path, "", "is no list of classes") from None
+        return [value if 0 <= value < 4 else UNLABELLED for value in values]

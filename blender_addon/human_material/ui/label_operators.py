@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators of the Label panel, but for the brush (label_paint.py)."""
+import json
+import os
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, StringProperty
+from bpy_extras.io_utils import ImportHelper
+from mathutils import Vector
+
+from .. import compat
+from ..services import label_session, regions, scan_object, strokes
+from ..services.errors import InputError
+from . import label_loop, label_paint, label_properties, preferences
+from .operators import Operator
+
+WAIT_S = 120
+
+
+class HM_OT_open_scan(Operator, ImportHelper):
+    """Open a scan to label it: OBJ, GLB or FBX, as `openhumanbrdf` reads it"""
+    bl_idname = "hm.open_scan"
+    bl_label = "Open Scan"
+    filename_ext = ".obj"
+    filter_glob: StringProperty(default="*.obj;*.glb;*.gltf;*.fbx", options={"HIDDEN"})
+    unit: EnumProperty(name="Unit", items=label_properties.UNIT_ITEMS, default="GUESS")
+    up: EnumProperty(name="Up", items=label_properties.UP_ITEMS, default="Y")
+    strokes: StringProperty(name="Strokes", description="A strokes.xml to go on with", options={"SKIP_SAVE"})
+
+    def run(self, context):
+        path = os.path.abspath(bpy.path.abspath(self.filepath))
+        first, sha256 = strokes.read(bpy.path.abspath(self.strokes)) if self.strokes else ([], "")
+        session = label_session.open_scan(
+            preferences.find("openhumanbrdf"), path, "" if self.unit == "GUESS" else self.unit,
+            "" if self.up == "Y" else self.up.lower(), first)
+        if bpy.app.background:
+            label_loop.wait(lambda: session.phase == "ended" or session.is_settled(), WAIT_S)
+            if session.phase == "ended":
+                raise InputError("", "", session.status)
+            return "%s: %d faces" % (session.name, len(session.classes))
+        return "Reading %s" % os.path.basename(path)
+
+
+class ScanOperator(Operator):
+    """Base of what works on the active scan."""
+
+    @classmethod
+    def poll(cls, context):
+        if not scan_object.is_scan(context.object) or context.mode != "OBJECT":
+            cls.poll_message_set("Select a scan that was opened in the Label panel, in Object Mode")
+            return False
+        return True
+
+
+class HM_OT_label_start(ScanOperator):
+    """Start the program for a scan of an earlier session; the strokes are in the scene"""
+    bl_idname = "hm.label_start"
+    bl_label = "Go On"
+
+    def run(self, context):
+        session = label_session.resume(preferences.find("openhumanbrdf"), context.object)
+        session.shown = context.scene.hm.label.show
+        if bpy.app.background:
+            label_loop.wait(lambda: session.phase == "ended" or session.is_settled(), WAIT_S)
+            if session.phase == "ended":
+                raise InputError("", "", session.status)
+        return "Reading the scan"
+
+
+class HM_OT_label_tool(ScanOperator):
+    """Take the brush in hand: the left button paints"""
+    bl_idname = "hm.label_tool"
+    bl_label = "Paint"
+
+    def run(self, context):
+        bpy.ops.wm.tool_set_by_id(name="hm.label_brush")
+        return "Paint with the left button; [ and ] change the size"
+
+
+class HM_OT_label_answer(ScanOperator):
+    """Say what this whole garment is made of"""
+    bl_idname = "hm.label_answer"
+    bl_label = "Answer"
+    bl_options = {"REGISTER", "UNDO"}
+    garment: StringProperty()
+    class_name: EnumProperty(items=label_properties.CLASS_ITEMS)
+
+    def run(self, context):
+        session = label_paint.ready_session(context)
+        question = next((q for q in session.questions if q["id"] == self.garment), None)
+        if question is None:
+            raise InputError("", self.garment, "is not asked about any more")
+        label_paint.add_strokes(context.object, [{"class": self.class_name, "radius_cm": 1.0,
+                                                  "points": [[question["face"], *question["at"]]]}])
+        return "%s: %s" % (self.garment.capitalize(), self.class_name)
+
+
+class HM_OT_label_look(ScanOperator):
+    """Show where a stroke would help most, or the garment that is asked about"""
+    bl_idname = "hm.label_look"
+    bl_label = "Look There"
+    garment: StringProperty(description="Empty: the place of the next stroke")
+
+    def run(self, context):
+        session = label_paint.ready_session(context)
+        found = (next((q for q in session.questions if q["id"] == self.garment), None) if self.garment
+                 else session.suggested)
+        if found is None:
+            raise InputError("", "", "no place is in doubt", "save")
+        place, view = context.object.matrix_world @ Vector(found["at"]), context.region_data
+        if view is not None:
+            normal = context.object.matrix_world.to_3x3() @ face_normal(session.scan, found["face"])
+            look_at(view, place, normal, 0.6 if self.garment else 0.35)
+        return "Now %s; %s?" % (found["now"], found["rival"])
+
+
+def face_normal(scan, face):
+    """Newell's, in the scan's axes; of no length for a face of no area."""
+    places = [Vector(scan.positions[3 * v:3 * v + 3])
+              for v in (scan.faces.vertices[c] for c in scan.faces.corners(face))]
+    total = Vector((0, 0, 0))
+    for a, b in zip(places, places[1:] + places[:1]):
+        total += a.cross(b)
+    return total.normalized()
+
+
+def look_at(view, place, normal, distance_m):
+    """The view goes there, mostly from where the surface faces; upright."""
+    flat = Vector((normal.x, normal.y, min(max(normal.z, -0.5), 0.5)))
+    if flat.length > 1e-6:
+        view.view_rotation = flat.to_track_quat("Z", "Y") if abs(flat.z) > 0.99 else upright(flat.normalized())
+    view.view_location = place
+    view.view_distance = distance_m
+    view.update()
+
+
+def upright(back):
+    """The rotation of a view that looks against `back` with +Z up."""
+    from mathutils import Matrix
+    right = Vector((0, 0, 1)).cross(back).normalized()
+    return Matrix((right, back.cross(right), back)).transposed().to_quaternion()
+
+
+class HM_OT_save_strokes(ScanOperator):
+    """Save the strokes, for `openhumanbrdf label --strokes`"""
+    bl_idname = "hm.save_strokes"
+    bl_label = "Save Strokes"
+    filepath: StringProperty(subtype="FILE_PATH", options=compat.path_options())
+    filter_glob: StringProperty(default="*.xml", options={"HIDDEN"})
+    check_existing: BoolProperty(default=True, options={"HIDDEN"})
+
+    def invoke(self, context, event):
+        self.filepath = os.path.splitext(context.object[scan_object.SCAN])[0] + ".strokes.xml"
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def run(self, context):
+        path, item = bpy.path.abspath(self.filepath), context.object
+        found = scan_object.strokes_of(item)
+        if os.path.exists(path) and strokes.read(path)[1] not in ("", item[scan_object.SHA256]):
+            raise InputError(path, "", "holds the strokes of another scan", "choose another name")
+        scan_object.expect_unchanged(item)
+        regions.write_strokes(path, found, item[scan_object.SHA256])
+        return "Wrote %d strokes: %s" % (len(found), path)
+
+
+class HM_OT_save_regions(ScanOperator):
+    """Label the scan by its strokes with the command line's program and save REGIONS, which `bake` reads"""
+    bl_idname = "hm.save_regions"
+    bl_label = "Save Regions"
+    directory: StringProperty(subtype="DIR_PATH", options=compat.path_options())
+    folder_name: StringProperty(name="New Folder", default="regions", description="Made in the folder that is chosen")
+
+    def invoke(self, context, event):
+        self.directory = os.path.dirname(context.object[scan_object.SCAN])
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def run(self, context):
+        item = context.object
+        scan_object.expect_unchanged(item)
+        output = os.path.join(bpy.path.abspath(self.directory), self.folder_name)
+        work = regions.Saving(preferences.find("openhumanbrdf"), item[scan_object.SCAN], scan_object.strokes_of(item),
+                              item[scan_object.SHA256], json.loads(item[scan_object.OPTIONS]), output)
+        work.name = item.name
+        if not bpy.app.background:
+            label_loop.saving.append(work)
+            return "Saving %s" % output
+        work.wait(600)
+        label_loop.take_over(work)
+        label_loop.step()
+        return "Saved %s" % output
+
+
+class HM_OT_cancel_saving(bpy.types.Operator):
+    """Stop saving; nothing is left half written"""
+    bl_idname = "hm.cancel_saving"
+    bl_label = "Cancel"
+
+    def execute(self, context):
+        for work in label_loop.saving:
+            work.cancel()
+        return {"FINISHED"}
+
+
+CLASSES = (HM_OT_open_scan, HM_OT_label_start, HM_OT_label_tool, HM_OT_label_answer, HM_OT_label_look,
+           HM_OT_save_strokes, HM_OT_save_regions, HM_OT_cancel_saving)
