@@ -112,6 +112,33 @@ def wrong_namespaces(root):
     return wrong
 
 
+TYPE = re.compile(r"^(?:struct|class|union|enum(?: class| struct)?) (?:alignas\(\w+\) )?(\w+)(?: final)?(?: :(?!:)[^;]*)? \{")
+
+
+def types_of(text):
+    """The qualified names of the types that a formatted C++ file defines at namespace level, but those that only it sees."""
+    inside = []
+    for line in text.split("\n"):
+        opened = re.match(r"namespace ?([\w:]*) ?\{", line)
+        if opened:
+            inside.append(opened[1])
+        elif line.startswith("}  // namespace"):
+            inside.pop()
+        elif "" not in inside and TYPE.match(line):
+            yield "::".join(inside + [TYPE.match(line)[1]])
+
+
+def types_of_one_name(root):
+    """One line for each type that has the qualified name of another: in one program they would be undefined behaviour
+    that no compiler sees. What this reading of the text misses, the linker finds (the preset "odr")."""
+    found = {}
+    for path, name in files_of(root):
+        for qualified in types_of(read(path)) if path.suffix in SOURCES else ():
+            found.setdefault(qualified, []).append(str(name))
+    return ["%s is defined in %s" % (qualified, " and ".join(files))
+            for qualified, files in sorted(found.items()) if len(files) > 1]
+
+
 def wrong_in_readme(root):
     """One line for each library whose folder or uses README's table does not have as CMake links them."""
     all_of = libraries(root)

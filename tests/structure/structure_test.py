@@ -27,6 +27,11 @@ class Tree(unittest.TestCase):
     def test_each_library_has_a_namespace_of_its_own(self):
         self.nothing(structure.wrong_namespaces(ROOT))
 
+    def test_no_two_types_have_one_name(self):
+        self.assertGreater(sum(len(list(structure.types_of(structure.read(path)))) for path, _ in structure.files_of(ROOT)
+                               if path.suffix in structure.SOURCES), 400)
+        self.nothing(structure.types_of_one_name(ROOT))
+
     def test_files_and_functions_are_short(self):
         self.nothing(structure.too_long(ROOT))
 
@@ -81,6 +86,14 @@ class Planted(unittest.TestCase):
     def test_another_librarys_namespace(self):
         self.write("low/b.h", "namespace ohb::high {\n}\n")
         self.assertTrue(structure.wrong_namespaces(self.root))
+
+    def test_two_types_of_one_name(self):
+        own = "namespace {\nstruct B {};\n}  // namespace\n"
+        self.write("dataset/a.h", "namespace ohb::low {\nstruct A;\nclass alignas(32) B final : public C {\n};\n}  // namespace ohb::low\n")
+        self.write("bake/b.cpp", "namespace ohb::low {\n" + own + "enum class A { kOne };\n}  // namespace ohb::low\n")
+        self.assertEqual(structure.types_of_one_name(self.root), [])
+        self.write("bake/c.cpp", "namespace ohb {\nnamespace low {\nstruct B {};\n}  // namespace low\n}  // namespace ohb\n")
+        self.assertEqual(structure.types_of_one_name(self.root), ["ohb::low::B is defined in dataset/a.h and bake/c.cpp"])
 
     def test_a_long_function_and_a_long_list_of_parameters(self):
         self.write("bake/long.cpp", "void f(\n    int a) {\n" + "  ++a;\n" * 60 + "}\n")
