@@ -142,26 +142,36 @@ TEST(Checkpoint, KillDuringWritesNeverLosesTheLastGoodOne) {
     EXPECT_EQ(entry.path().filename().string().rfind("step_", 0), 0u) << entry.path();
 }
 
-TEST(Training, LossFallsOnTwoBalls) {
+class TrainingOfTask : public testing::TestWithParam<Task> {};
+
+TEST_P(TrainingOfTask, LossFallsOnTwoBalls) {
   TemporaryFolder folder;
   write_ball_dataset(folder / "data", 2, 2, 32);
-  for (const Task task : kTasks) {
-    TrainOptions o = options_of(folder, name_of(task), 60);
-    o.task = task;
-    o.size_px = 32;
-    const TrainReport report = train(o);
-    EXPECT_EQ(report.skipped, 0);
-    EXPECT_LT(report.last_loss, 0.8 * report.first_loss) << name_of(task);
-    EXPECT_TRUE(std::filesystem::exists(report.weights));
-    const LoadedNetwork loaded = load_network(report.weights);
-    EXPECT_EQ(loaded.network.task, task);
-    EXPECT_EQ(loaded.header["trained_on"].size(), 1u);
-    EXPECT_EQ(loaded.header["held_out"].size(), 1u);
+  TrainOptions o = options_of(folder, name_of(GetParam()), 60);
+  o.task = GetParam();
+  o.size_px = 32;
+  const TrainReport report = train(o);
+  EXPECT_EQ(report.skipped, 0);
+  EXPECT_LT(report.last_loss, 0.8 * report.first_loss);
+  EXPECT_TRUE(std::filesystem::exists(report.weights));
+  const LoadedNetwork loaded = load_network(report.weights);
+  EXPECT_EQ(loaded.network.task, GetParam());
+  EXPECT_EQ(loaded.header["trained_on"].size(), 1u);
+  EXPECT_EQ(loaded.header["held_out"].size(), 1u);
+}
+INSTANTIATE_TEST_SUITE_P(All, TrainingOfTask, testing::ValuesIn(kTasks),
+                         [](const auto& info) { return std::string(name_of(info.param)); });
+
+TEST(Training, TheFinetuningModelLearnsOnThePriorsEstimates) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 2, 2, 16);
+  for (const Task task : {Task::kRss, Task::kGeometry, Task::kAlbedo}) {
+    TrainOptions prior = options_of(folder, name_of(task), 1);
+    prior.task = task;
+    train(prior);
   }
-  // ... and the finetuning model on the priors' estimates.
   TrainOptions o = options_of(folder, "on_priors", 5);
   o.task = Task::kFinetune;
-  o.size_px = 32;
   o.guidance = Guidance::kPriors;
   o.priors = {folder / "rss", folder / "geometry", folder / "albedo"};
   EXPECT_EQ(train(o).skipped, 0);
