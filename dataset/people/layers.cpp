@@ -8,8 +8,8 @@ namespace {
 
 /// How far under the cloth skin and inner cloth lie.
 constexpr float kGap_cm = 0.25f;
-/// How far an inner layer may be outside an outer one and still be pressed in.
-constexpr float kDeepest_cm = 2.5f, kDeepestUnderHat_cm = 6;
+/// How far an inner layer may be outside an outer one and still be pressed in; hair stands far out of hats.
+constexpr float kDeepest_cm = 2.5f, kHairUnderHat_cm = 6;
 /// Cloth within this distance along the normal, in the rest pose, lies over the vertex.
 constexpr float kCovers_cm = 3.5f, kHides_cm = 9;
 
@@ -21,12 +21,13 @@ SurfaceQuery query_of(const Part& part, const std::vector<Vec3f>& positions) {
 struct Outer {
   const Part* part;
   SurfaceQuery rest, posed;
-  float deepest_cm;
-  explicit Outer(const Part& p)
-      : part(&p),
-        rest(query_of(p, p.rest_cm)),
-        posed(query_of(p, p.posed_cm)),
-        deepest_cm(p.worn && p.worn->slot == Slot::kHat ? kDeepestUnderHat_cm : kDeepest_cm) {}
+  explicit Outer(const Part& p) : part(&p), rest(query_of(p, p.rest_cm)), posed(query_of(p, p.posed_cm)) {}
+  /// Skin under a brim must not be looked for as far as hair is: brows and eye sockets would be pressed into
+  /// the head.
+  float deepest_cm(const Part& inner) const {
+    const bool is_hat = part->worn && part->worn->slot == Slot::kHat;
+    return is_hat && inner.kind == PartKind::kHair ? kHairUnderHat_cm : kDeepest_cm;
+  }
 };
 
 /// Distance from a point to the cloth along the normal, negative where the point is outside; infinite where
@@ -41,8 +42,8 @@ std::vector<char> covered(const Part& inner, const Outer& outer, float outwards_
   std::vector<char> is_covered(inner.rest_cm.size(), 0);
   for (size_t v = 0; v < normals.size(); ++v)
     if (dot(normals[v], normals[v]) > 0)
-      is_covered[v] =
-          std::isfinite(depth_below(outer.rest, inner.rest_cm[v], normals[v], outer.deepest_cm, outwards_cm));
+      is_covered[v] = std::isfinite(
+          depth_below(outer.rest, inner.rest_cm[v], normals[v], outer.deepest_cm(inner), outwards_cm));
   return is_covered;
 }
 
@@ -91,7 +92,7 @@ void press_below(Part& inner, const Outer& outer) {
   const std::vector<char> is_covered = covered(inner, outer, kCovers_cm);
   const std::vector<Vec3f> normals = normals_of(inner, inner.posed_cm);
   const auto missing = [&](Vec3f at, Vec3f normal) {
-    const float depth = depth_below(outer.posed, at, normal, outer.deepest_cm, kGap_cm);
+    const float depth = depth_below(outer.posed, at, normal, outer.deepest_cm(inner), kGap_cm);
     return std::isfinite(depth) ? std::max(0.0f, kGap_cm - depth) : 0.0f;
   };
   for (size_t v = 0; v < normals.size(); ++v)
@@ -169,8 +170,9 @@ Pokes find_pokes(const Person& person) {
       const std::vector<Vec3f> normals = normals_of(inner, inner.posed_cm);
       for (const uint32_t face : inner.faces) {
         if (!all_corners(*inner.mesh, face, is_covered)) continue;
-        const float depth = -depth_below(outer.posed, middle_of(inner, face, inner.posed_cm),
-                                         normalised(middle_of(inner, face, normals)), outer.deepest_cm, 0);
+        const float depth =
+            -depth_below(outer.posed, middle_of(inner, face, inner.posed_cm),
+                         normalised(middle_of(inner, face, normals)), outer.deepest_cm(inner), 0);
         if (!std::isfinite(depth) || depth < kSkin_cm) continue;
         const uint32_t begin = inner.mesh->face_begin[face];
         const auto at = [&](uint32_t k) { return inner.posed_cm[inner.mesh->corners[begin + k].position]; };

@@ -103,6 +103,16 @@ TEST(Layers, SkinThatComesThroughIsPressedUnder) {
   for (const Vec3f& position : sheets.person.skin().posed_cm) EXPECT_NEAR(position.z, -1.75f, 1e-4f);
 }
 
+TEST(Layers, AHatPressesHairInFromFarAndSkinDoesNotFollow) {
+  TwoSheets sheets(-4);  // as a brow lies above the brim seen along its normal
+  sheets.item.slot = Slot::kHat;
+  sheets.person.parts.push_back(sheet(PartKind::kHair, 10, 0));
+  sheets.person.chin_cm = -100;
+  settle_layers(sheets.person);
+  for (const Vec3f& position : sheets.person.skin().posed_cm) EXPECT_EQ(position.z, 0);
+  for (const Vec3f& position : sheets.person.parts[2].posed_cm) EXPECT_NEAR(position.z, -4.25f, 1e-4f);
+}
+
 TEST(Layers, SkinThatLiesUnderStaysWhereItIs) {
   TwoSheets sheets(1);
   settle_layers(sheets.person);
