@@ -9,7 +9,6 @@
 #include <cmath>
 
 #include "bake/jobs.h"
-#include "bake/seam_agree.h"
 #include "bake/set_report.h"
 #include "bake/set_size.h"
 #include "bake/uv_charts.h"
@@ -80,6 +79,11 @@ std::vector<uint8_t> any_of_blocks(const std::vector<uint8_t>& values, int width
   return any;
 }
 
+/// What the sides of a mended seam may differ by: half of 1/255 of sRGB, or half a degree.
+float mend_tolerance(MapValues values) {
+  return values == MapValues::kNormals ? 0.008f : 0.5f / 255;
+}
+
 void report_material(const ScanMaterial& material, SetReport& report) {
   report.name = material.name;
   report.diffuse = material.diffuse.file.filename().string();
@@ -101,7 +105,6 @@ SetBake::SetBake(const BakeInputs& inputs, uint16_t set, SetReport& report)
                          : inputs.options.class_weights[mesh_.material_of_set[set]]),
       report_(report),
       triangles_(triangles_of(mesh_, set)),
-      ships_levels_(inputs.options.wants_mips),
       from_source_(inputs.source != nullptr) {
   const BakeOptions& options = inputs.options;
   const SourceBake* const source = inputs.source;
@@ -132,7 +135,7 @@ void SetBake::look_at_seams_and_source(const SourceBake* source) {
   run_side_by_side({[&] {
                       const size_t all_seams = find_seams(mesh_.model, triangles_.index, nullptr).size();
                       report_.seam_edges_left_out = std::max(all_seams, seams_.size()) - seams_.size();
-                      if (mends_seams_ && !ships_levels_)
+                      if (mends_seams_)
                         mender_ = std::make_unique<SeamMender>(seams_, is_inside_, width_px(), height_px());
                     },
                     [&] {
@@ -273,12 +276,9 @@ void SetBake::finish_seams(Image& image, const char* map, MapValues values) {
   MapSeams report;
   report.map = map;
   report.unit = is_normals ? "degrees" : "of 1";
-  // Both sides of a class map already agree at level 0: each is constant up to the seam, and the band goes
-  // on.
+  // Both sides of a class map agree at level 0: each is constant up to the seam, and the band goes on.
   const bool is_mended = is_normals || values == MapValues::kLinearColour;
-  if (is_mended && mends_seams_)
-    report.most_changed = mender_ ? mender_->mend(image, values, is_normals ? 0.008f : 0.5f / 255)
-                                  : mend_level(image, seams_, is_inside_, values).most_changed;
+  if (is_mended && mends_seams_) report.most_changed = mender_->mend(image, values, mend_tolerance(values));
   report.levels = seam_errors(image, seams_, values);
   report_seams(std::move(report));
 }
@@ -326,7 +326,7 @@ std::vector<Image> SetBake::mips_of(const Image& map, const MapKind& kind) {
     mips.push_back(plain);
     if (is_normals) surface::normalise_pixels(mips.back());
     if (!is_mended || level >= kSeamLevels) continue;
-    mend_level(mips.back(), seams_, is_inside, values);
+    SeamMender(seams_, is_inside, width, height, 1).mend(mips.back(), values, mend_tolerance(values));
     errors.push_back(seam_errors(mips.back(), seams_, values, 1).front());
   }
   if (!errors.empty()) report_shipped(kind.name, std::move(errors));

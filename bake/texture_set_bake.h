@@ -92,8 +92,8 @@ class SetBake {
   std::vector<uint8_t> is_inside_;  // of each texel: its centre lies in a triangle
   std::vector<Seam> seams_;
   std::unique_ptr<SeamBand> band_;  // null without seams
-  bool ships_levels_, mends_seams_ = false;
-  std::unique_ptr<SeamMender> mender_;  // of the levels that others make; null if they are not mended
+  bool mends_seams_ = false;
+  std::unique_ptr<SeamMender> mender_;  // of level 0; null if seams are not mended
   bool from_source_;
   float reach_cm_ = 0;
   SourceMaps source_;
