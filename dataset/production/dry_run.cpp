@@ -45,12 +45,12 @@ SplitForecast measure(const Plan& plan, const ViewSet& views, const BakedPerson&
   const Stopwatch watch;
   const fs::path file = folder / "pilot.exr";
   write_sample(file, renderer.render(set, hashes, [] { throw_if_interrupted(); }));
-  split.set_s = watch.wall_s() - renderer.load_seconds() - renderer.environments().load_seconds();
+  split.set_s = watch.wall_s() - renderer.times().loading_s - renderer.environments().load_seconds();
   split.set_bytes = fs::file_size(file);
   if (forecast.environment_s == 0 && renderer.environments().loaded() > 0)
     forecast.environment_s =
         renderer.environments().load_seconds() / static_cast<double>(renderer.environments().loaded());
-  if (&views == &plan.views.front()) forecast.person_s += renderer.load_seconds();
+  if (&views == &plan.views.front()) forecast.person_s += renderer.times().loading_s;
   return split;
 }
 

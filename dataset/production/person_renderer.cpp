@@ -58,7 +58,7 @@ void PersonRenderer::load() {
   camera_ = fit_camera(model.positions_cm);
   shared_ = commands::settings_of(render_job(plan_, views_, baked_.model), person_.id, baked_.identity, {},
                                   camera_);
-  load_seconds_ = watch.wall_s();
+  times_.loading_s = watch.wall_s();
 }
 
 const ExrAttributes& PersonRenderer::settings() {
@@ -97,18 +97,26 @@ Sample PersonRenderer::render(const PlannedSet& set, FileHashes& hashes, int spp
     files.push_back(environment->file);
     contents.push_back(hashes.of(environment->file));
   }
+  Stopwatch watch;
+  const auto lap = [&watch](double& seconds) {
+    seconds += watch.wall_s();
+    watch = Stopwatch();
+  };
   const auto lights = environments_.take(files, contents, views_.points);
+  lap(times_.environments_s);
   renderer::RenderSettings settings = settings_of(set);
   settings.spp = std::max(spp, 1);
   const double turn_rad = turn_of_view(set.view, views_.view_count);
   const auto done = [&](size_t) { alive(); };
   Sample sample = renderer::render_maps(*scene_, camera_, turn_rad, settings, done);
+  lap(times_.maps_s);
   renderer::RenderStatistics statistics;
   renderer::ErrorReport reached;
   const renderer::LitView lit{*scene_, *lights, camera_, turn_rad};
   sample.lights = spp == 0
                       ? renderer::render_to_error(lit, settings, *views_.goal, reached, {&statistics, done})
                       : renderer::render_lights(lit, settings, &statistics, done);
+  lap(times_.lights_s);
   environments_.give_back();
   if (statistics.nonfinite > 0)
     spdlog::warn("set {}: {} contributions were NaN or infinite and left out", set.number,

@@ -12,6 +12,12 @@
 
 namespace ohb::production {
 
+/// What the time of a person's sets went to.
+struct RenderTimes {
+  double loading_s = 0;  // the model and its trees
+  double environments_s = 0, maps_s = 0, lights_s = 0;
+};
+
 class PersonRenderer {
  public:
   /// Reads nothing yet: a person whose sets are all done costs nothing.
@@ -29,7 +35,7 @@ class PersonRenderer {
   /// Header attributes that all sets share (sample_listing.h). Reads the model's mesh.
   const ExrAttributes& settings();
 
-  double load_seconds() const { return load_seconds_; }
+  const RenderTimes& times() const { return times_; }
   const EnvironmentCache& environments() const { return environments_; }
 
  private:
@@ -45,7 +51,7 @@ class PersonRenderer {
   std::shared_ptr<const renderer::Scene> scene_;
   Camera camera_;
   ExrAttributes shared_;
-  double load_seconds_ = 0;
+  RenderTimes times_;
 };
 
 }  // namespace ohb::production

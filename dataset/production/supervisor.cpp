@@ -130,10 +130,16 @@ void Supervisor::take_line(const std::string& text, Outcome& outcome, size_t& co
       progress_.add(line.sets);
       break;
     case WorkerLine::Kind::kMade:
-      if (line.unit.rfind("set_", 0) != 0) break;
+      if (line.unit.rfind("set_", 0) != 0) {
+        report_.worker_s[line.unit] += line.seconds;
+        break;
+      }
       ++report_.made;
       ++counted;
       progress_.add();
+      break;
+    case WorkerLine::Kind::kSpent:
+      report_.worker_s[line.unit] += line.seconds;
       break;
     case WorkerLine::Kind::kBusy:
       outcome.is_busy = true;
@@ -254,20 +260,41 @@ ProduceReport produce(const ProduceJob& job) {
   return report;
 }
 
+namespace {
+
+/// A bar for each thing that the workers' time went to, the longest first; "" if they did nothing.
+std::string worker_time_text(const ProduceReport& r) {
+  double sum = 0;
+  std::vector<std::pair<double, std::string>> parts;
+  for (const auto& [name, seconds] : r.worker_s) {
+    sum += seconds;
+    parts.emplace_back(seconds, name);
+  }
+  std::sort(parts.rbegin(), parts.rend());
+  std::string text;
+  for (const auto& [seconds, name] : parts)
+    text += fmt::format("  {:<13}{:>5.1f} %  {}\n", name, 100 * seconds / sum,
+                        std::string(static_cast<size_t>(40 * seconds / sum), '#'));
+  return sum > 0 ? fmt::format("what the workers' {:.0f} s went to:\n", sum) + text : "";
+}
+
+}  // namespace
+
 std::string to_text(const ProduceReport& r, const fs::path& output) {
   std::string text = fmt::format("{}: {} people, {} sets: {} made, {} were there, {:.0f} s\n",
                                  output.string(), r.people, r.sets, r.made, r.there, r.seconds);
   if (r.retries > 0) text += fmt::format("{} times a worker failed and was tried again\n", r.retries);
+  text += worker_time_text(r);
   for (const std::string& id : r.busy) text += id + ": another process is making it\n";
   for (const GivenUp& person : r.given_up) text += person.id + ": given up: " + person.reason + "\n";
   return text;
 }
 
 nlohmann::ordered_json to_json(const ProduceReport& r) {
-  nlohmann::ordered_json json = {{"people", r.people},   {"sets", r.sets},
-                                 {"made", r.made},       {"there", r.there},
-                                 {"retries", r.retries}, {"seconds", r.seconds},
-                                 {"busy", r.busy},       {"given_up", nlohmann::ordered_json::array()}};
+  nlohmann::ordered_json json = {
+      {"people", r.people},     {"sets", r.sets},       {"made", r.made},
+      {"there", r.there},       {"retries", r.retries}, {"seconds", r.seconds},
+      {"worker_s", r.worker_s}, {"busy", r.busy},       {"given_up", nlohmann::ordered_json::array()}};
   for (const GivenUp& person : r.given_up)
     json["given_up"].push_back({{"id", person.id}, {"reason", person.reason}});
   return json;

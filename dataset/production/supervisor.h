@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
@@ -31,6 +32,9 @@ struct ProduceReport {
   size_t there = 0, made = 0;   // sets
   size_t retries = 0;
   double seconds = 0;
+  /// What the workers' seconds went to: label, bake, loading (models), environments, maps, lights, writing.
+  /// Of people who were finished.
+  std::map<std::string, double> worker_s;
   std::vector<GivenUp> given_up;
   std::vector<std::string> busy;  // people whom another process is making
 };

@@ -97,16 +97,28 @@ void write_listing(const std::vector<PlannedSet>& sets, const std::vector<std::s
   write_file_atomically(layout.views(id) / "render.json", json_text(json, 1) + "\n");
 }
 
-void make_set(const Work& work, PersonRenderer& renderer, FileHashes& contents, const Layout& layout,
-              const std::string& id, SignOfLife& alive) {
+/// Gives the seconds that writing took.
+double make_set(const Work& work, PersonRenderer& renderer, FileHashes& contents, const Layout& layout,
+                const std::string& id, SignOfLife& alive) {
   const Stopwatch watch;
   const std::string unit = set_unit(work.set->number);
   const fs::path file = layout.views(id) / set_file(work.set->number);
   const Sample sample = renderer.render(*work.set, contents, [&] { alive(); });
+  const Stopwatch writing;
   begin_unit(layout, id, unit);
   write_sample(file, sample);
   finish_unit(layout, id, unit, {file}, {work.hash, {}, {}});
   say(fmt::format("@made {} {:.3f}", unit, watch.wall_s()));
+  return writing.wall_s();
+}
+
+void say_what_time_went_to(const RenderTimes& times, double writing_s) {
+  const std::pair<const char*, double> parts[] = {{"loading", times.loading_s},
+                                                  {"environments", times.environments_s},
+                                                  {"maps", times.maps_s},
+                                                  {"lights", times.lights_s},
+                                                  {"writing", writing_s}};
+  for (const auto& [name, seconds] : parts) say(fmt::format("@spent {} {:.3f}", name, seconds));
 }
 
 void make_views(const Plan& plan, const PlanPerson& person, const BakedPerson& baked, const Layout& layout,
@@ -131,7 +143,9 @@ void make_views(const Plan& plan, const PlanPerson& person, const BakedPerson& b
   // From here on the folder says what of it is of these settings, and what is left from others.
   begin_unit(layout, id, kListing);
   write_listing(sets, hashes, renderer, contents, layout, id);
-  for (const Work& work : missing) make_set(work, renderer, contents, layout, id, alive);
+  double writing_s = 0;
+  for (const Work& work : missing) writing_s += make_set(work, renderer, contents, layout, id, alive);
+  say_what_time_went_to(renderer.times(), writing_s);
   write_listing(sets, hashes, renderer, contents, layout, id);
   finish_unit(layout, id, kListing, {layout.views(id) / "render.json"}, {listing_hash, {}, {}});
 }
@@ -149,8 +163,8 @@ WorkerLine parse_worker_line(const std::string& text) {
     line.kind = WorkerLine::Kind::kThere;
     std::from_chars(rest.data(), rest.data() + rest.size(), line.sets);
   }
-  if (word == "@made") {
-    line.kind = WorkerLine::Kind::kMade;
+  if (word == "@made" || word == "@spent") {
+    line.kind = word == "@made" ? WorkerLine::Kind::kMade : WorkerLine::Kind::kSpent;
     const size_t end = std::min(rest.find(' '), rest.size());
     line.unit = rest.substr(0, end);
     if (end < rest.size()) std::from_chars(rest.data() + end + 1, rest.data() + rest.size(), line.seconds);

@@ -16,11 +16,12 @@ struct WorkerLine {
     kAlive,  // "@alive": a sign of life, once a second at most
     kThere,  // "@there 12": so many sets were there
     kMade,   // "@made set_003 1.25": a unit and its seconds
+    kSpent,  // "@spent lights 71.5": what seconds of all its sets together went to
     kBusy,   // "@busy": another process makes this person
     kOther   // words for people
   } kind = Kind::kOther;
   size_t sets = 0;
-  std::string unit;
+  std::string unit;  // or what they went to
   double seconds = 0;
 };
 WorkerLine parse_worker_line(const std::string& line);

@@ -22,10 +22,14 @@ class Redone(Production):
     """What a change touches, counted in sets."""
 
     def test_nothing_twice(self):
-        self.assertEqual(self.produce()["made"], 12)
+        report = self.produce()
+        self.assertEqual(report["made"], 12)
+        spent = report["worker_s"]
+        self.assertEqual(set(spent), {"label", "bake", "loading", "environments", "maps", "lights", "writing"})
+        self.assertTrue(0 < sum(spent.values()) <= report["seconds"], report)  # one worker
         before = tree(self.out)
         report = self.produce()
-        self.assertEqual((report["made"], report["there"]), (0, 12))
+        self.assertEqual((report["made"], report["there"], report["worker_s"]), (0, 12, {}))
         self.assertEqual(tree(self.out), before)
 
     def test_a_class_that_only_one_person_wears(self):
