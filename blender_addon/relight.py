@@ -110,6 +110,10 @@ def relight(options):
     skin = relief.material_of(item)
     material.set_subsurface_scale(skin, options.subsurface_scale)
     for class_name, preset in edits:
+        try:
+            edit.expect_present(skin, class_name)
+        except InputError as error:   # a picture is asked for all the same
+            loaded.warnings.append(str(error))
         edit.apply(skin, class_name, preset)
     if options.environment:
         environment.set_environment(scene, options.environment, options.rotation, options.strength)

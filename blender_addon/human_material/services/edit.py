@@ -64,11 +64,17 @@ def mean_luminance(maps, class_index):
     return total / weight_sum if weight_sum > 0 else 0.0
 
 
-def node_of(material, class_name):
-    """The edit node of a class. Throws InputError for an unknown class or a foreign material."""
+def class_of(key):
+    """The class of an edit: its own name, or "fabric" of "fabric.3", a garment's."""
+    return key.partition(".")[0]
+
+
+def node_of(material, key):
+    """The edit node of a class or garment. Throws InputError for an unknown one or a foreign material."""
+    class_name = class_of(key)
     if class_name not in classes.NAMES:
         raise InputError("", "class '%s'" % class_name, "is not known", "write " + ", ".join(classes.NAMES))
-    node = material.node_tree.nodes.get(NODE + class_name) if material and material.node_tree else None
+    node = material.node_tree.nodes.get(NODE + key) if material and material.node_tree else None
     if node is None:
         raise InputError("", material.name if material else "no material", "is not a material of imported maps",
                          "select the relief of an imported maps folder")
@@ -76,16 +82,37 @@ def node_of(material, class_name):
 
 
 def nodes_of(material):
-    """Class -> edit node, of a material of ours; none of another."""
+    """Class or garment -> edit node, of a material of ours; none of another."""
     if material is None or material.node_tree is None:
         return {}
-    found = {name: material.node_tree.nodes.get(NODE + name) for name in classes.NAMES}
-    return {name: node for name, node in found.items() if node is not None}
+    return {node.name[len(NODE):]: node for node in material.node_tree.nodes if node.name.startswith(NODE)}
 
 
-def apply(material, class_name, preset):
-    """Applies a presets.Preset to a class; what the preset does not name is left as it is."""
-    node = node_of(material, class_name)
+SHARES = "hm_class_shares"   # custom property of the material: of the person, one a class
+
+
+def expect_present(material, class_name):
+    """Throws InputError if the person has nothing of a class: an edit would change nothing."""
+    shares = material.get(SHARES) if material else None
+    if shares is not None and shares[classes.NAMES.index(class_name)] < LEAST_SHARE:
+        there = [name for name, share in zip(classes.NAMES, shares) if share >= LEAST_SHARE]
+        raise InputError("", material.name, "no %s was found on this person: the edit would change nothing"
+                         % class_name, "edit " + " or ".join(there))
+
+
+LEAST_SHARE = 1e-4
+
+
+def shares_of(maps):
+    """How much of the person each class is."""
+    every = len(classes.NAMES)
+    totals = [sum(maps.shares[c::every]) for c in range(every)]
+    return [total / max(sum(totals), 1e-9) for total in totals]
+
+
+def apply(material, key, preset):
+    """Applies a presets.Preset to a class or garment; what the preset does not name is left as it is."""
+    node = node_of(material, key)
     if preset.color is not None:
         node.inputs["Color"].default_value = (*preset.color, 1.0)
         node.inputs["Color Amount"].default_value = 1.0
@@ -97,8 +124,8 @@ def apply(material, class_name, preset):
             node.inputs[amount].default_value = 1.0
 
 
-def reset(material, class_name):
-    reset_node(node_of(material, class_name), classes.NAMES.index(class_name))
+def reset(material, key):
+    reset_node(node_of(material, key), classes.NAMES.index(class_of(key)))
 
 
 def reset_node(node, class_index):

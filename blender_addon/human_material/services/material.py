@@ -60,10 +60,11 @@ def _encoded(values):
 def build(maps, name, subsurface_method="random_walk_skin"):
     """The material of a relief. Its images go with it."""
     material = bpy.data.materials.new(name)
+    material[edit.SHARES] = edit.shares_of(maps)
     tree = compat.node_tree_of(material)
     tree.nodes.clear()
     images = images_of(maps, name)
-    nodes = {key: _texture(tree, key, image, 300 * row)
+    nodes = {key: texture(tree, key, image, 300 * row)
              for row, (key, image) in enumerate(images.items())}
     rss = _separate(tree, nodes["rss"].outputs["Color"])
     surface = {"base": nodes["diffuse"].outputs["Color"], "roughness": rss[0], "f0": rss[1], "sss": rss[2]}
@@ -74,7 +75,8 @@ def build(maps, name, subsurface_method="random_walk_skin"):
     return material
 
 
-def _texture(tree, key, image, y):
+def texture(tree, key, image, y):
+    """The image's node, named after the key."""
     node = tree.nodes.new("ShaderNodeTexImage")
     node.name = node.label = NODE + key
     node.image = image

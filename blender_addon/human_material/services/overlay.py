@@ -55,7 +55,7 @@ class Overlay:
             layer = mesh.color_attributes.new(ATTRIBUTE, "FLOAT_COLOR", "CORNER")
         mesh.color_attributes.active_color = layer
         layer.data.foreach_set("color", self.colors)
-        mesh.update()
+        mesh.update_tag()
 
 
 def runs_of(values):

@@ -21,7 +21,7 @@ def raise_amounts(material):
     """A value that was moved while its amount was 0 gets the amount 1: else it would do nothing. Not one that was
     moved back to where it is without an edit (Reset)."""
     for class_name, node in edit.nodes_of(material).items():
-        values, imported = _values(node), edit.values_as_imported(class_name)
+        values, imported = _values(node), edit.values_as_imported(edit.class_of(class_name))
         before = _seen.get((material.name_full, class_name), imported)
         _seen[material.name_full, class_name] = values
         for name, amount in AMOUNT_OF.items():

@@ -3,11 +3,11 @@
 import bpy
 
 from ..services import watch
-from . import (label_loop, label_operators, label_paint, label_panels, label_properties, operators, panels,
+from . import (garment_operators, label_loop, label_operators, label_paint, label_panels, label_properties, operators, panels,
                preferences, properties)
 
 CLASSES = (*preferences.CLASSES, *label_properties.CLASSES, *properties.CLASSES, *operators.CLASSES,
-           *label_paint.CLASSES, *label_operators.CLASSES, *label_panels.CLASSES, *panels.CLASSES)
+           *label_paint.CLASSES, *label_operators.CLASSES, *garment_operators.CLASSES, *label_panels.CLASSES, *panels.CLASSES)
 
 
 def register():

@@ -3,11 +3,12 @@
 import os
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from .. import compat
-from ..services import animate, camera, classes, edit, environment, lights, material, presets, relief, render
+from ..services import (animate, camera, classes, edit, environment, garment_edit, lights, material, presets, relief,
+                        render)
 from ..services.errors import InputError
 
 CLASS_ITEMS = [(entry["name"], entry["label"], "") for entry in classes.TABLE]
@@ -115,23 +116,33 @@ class HM_OT_apply_preset(ReliefOperator):
     bl_label = "Apply Preset"
     bl_options = {"REGISTER", "UNDO"}
     class_name: EnumProperty(name="Class", items=CLASS_ITEMS, default="fabric")
+    garment: IntProperty(name="Garment", default=0, min=0, description="0: all of the class", options={"SKIP_SAVE"})
     preset: EnumProperty(name="Preset", items=PRESET_ITEMS, default="shiny_leather")
 
     def run(self, context):
-        edit.apply(relief.material_of(context.object), self.class_name, presets.PRESETS[self.preset])
+        skin = relief.material_of(context.object)
+        edit.expect_present(skin, self.class_name)
+        edit.apply(skin, edit_key(skin, self), presets.PRESETS[self.preset])
         return "%s: %s" % (self.class_name.capitalize(), presets.PRESETS[self.preset].label)
 
 
 class HM_OT_reset_edit(ReliefOperator):
-    """Undo every edit of one class"""
+    """Undo every edit of one class, or of one garment"""
     bl_idname = "hm.reset_edit"
     bl_label = "Reset"
     bl_options = {"REGISTER", "UNDO"}
     class_name: EnumProperty(name="Class", items=CLASS_ITEMS, default="fabric")
+    garment: IntProperty(name="Garment", default=0, min=0, description="0: all of the class", options={"SKIP_SAVE"})
 
     def run(self, context):
-        edit.reset(relief.material_of(context.object), self.class_name)
+        skin = relief.material_of(context.object)
+        edit.reset(skin, edit_key(skin, self))
         return "%s as imported" % self.class_name.capitalize()
+
+
+def edit_key(skin, operator):
+    """Of the class, or of its garment."""
+    return garment_edit.node_for(skin, operator.garment)[0] if operator.garment else operator.class_name
 
 
 class HM_OT_prepare_render(Operator):

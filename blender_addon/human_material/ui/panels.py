@@ -67,15 +67,33 @@ class HM_PT_edit(Panel, bpy.types.Panel):
     def draw(self, context):
         if relief.material_of(context.object) is None:
             self.layout.label(text="Select an imported person")
+        else:
+            self.layout.operator("hm.edit_garment", icon="EYEDROPPER")
 
 
 def _draw_class(self, context):
-    """The presets and sliders of one class. The names stand inside the sliders: beside them they are cut off."""
-    layout = self.layout
+    """The presets and sliders of one class, then of its garments that are edited by themselves."""
+    skin = relief.material_of(context.object)
+    try:
+        edit.expect_present(skin, self.class_name)
+    except InputError:
+        self.layout.label(text="None on this person", icon="INFO")
+        return
+    _draw_edit(self.layout, self.class_name, edit.node_of(skin, self.class_name))
+    for key, node in sorted(edit.nodes_of(skin).items()):
+        if key.startswith(self.class_name + "."):
+            box = self.layout.box()
+            box.label(text="Garment " + key.partition(".")[2])
+            _draw_edit(box, self.class_name, node, int(key.partition(".")[2]))
+
+
+def _draw_edit(layout, class_name, node, garment=0):
+    """The names stand inside the sliders: beside them they are cut off."""
     row = layout.row(align=True)
-    row.menu("HM_MT_presets_" + self.class_name, text="Preset")
-    row.operator("hm.reset_edit", icon="LOOP_BACK").class_name = self.class_name
-    node = edit.node_of(relief.material_of(context.object), self.class_name)
+    row.context_pointer_set("hm_edit", node)
+    row.menu("HM_MT_presets_" + class_name, text="Preset")
+    button = row.operator("hm.reset_edit", icon="LOOP_BACK")
+    button.class_name, button.garment = class_name, garment
     column = layout.column(align=True)
     column.prop(node.inputs["Color"], "default_value", text="Color")
     for name in edit.SLIDERS:
@@ -83,9 +101,11 @@ def _draw_class(self, context):
 
 
 def _draw_presets(self, context):
+    node = getattr(context, "hm_edit", None)   # whose menu it is
+    garment = node.name.rpartition(".")[2] if node is not None and "." in node.name else "0"
     for preset in presets.of_class(self.class_name):
         button = self.layout.operator("hm.apply_preset", text=preset.label)
-        button.class_name, button.preset = self.class_name, preset.name
+        button.class_name, button.preset, button.garment = self.class_name, preset.name, int(garment)
 
 
 def _preset_menu(entry):

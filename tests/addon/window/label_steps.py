@@ -189,7 +189,7 @@ def steps(window, folder, scan, truth):
     yield from compare(window, folder, scan, session)
     print("answers held the window for at most %.3f s, %.3f s in the mean; %d strokes"
           % (max(held), sum(held) / len(held), count))
-    yield from views(window, session)
+    yield from views(window, session, labeller)
 
 
 def compare(window, folder, scan, session):
@@ -216,7 +216,7 @@ def settings_now():
     return bpy.context.scene.hm.label
 
 
-def views(window, session):
+def views(window, session, labeller):
     """Pictures of the other overlays, of an eraser and of a lasso under way."""
     settings = settings_now()
     with window.override():
@@ -246,7 +246,11 @@ def views(window, session):
     window.key("Z", ctrl=True)
     yield from window.wait(lambda: session.is_settled() and session.stroke_count == count, "undo of the lasso")
     settings = settings_now()
-    settings.mode, settings.radius_cm = "ERASER", 50
+    settings.mode, settings.radius_cm = "ERASER", 5
+    face = scan_object.strokes_of(session.item)[-1]["points"][0][0]
+    labeller.look_at(face)
+    yield
+    x, y = labeller.at_screen(face)
     yield from window.drag([(x, y), (x + 2, y)])
     yield from window.wait(lambda: len(scan_object.strokes_of(session.item)) < count, "the eraser", 20)
 
