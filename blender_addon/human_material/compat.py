@@ -174,6 +174,88 @@ def set_output(scene, kind):
         settings.exr_codec = "ZIP"
 
 
+def set_video(scene, container, codec):
+    """A film of H.264 or VP9 at high quality."""
+    if hasattr(scene.render.image_settings, "media_type"):
+        scene.render.image_settings.media_type = "VIDEO"
+    scene.render.image_settings.file_format = "FFMPEG"
+    scene.render.ffmpeg.format, scene.render.ffmpeg.codec = container, codec
+    scene.render.ffmpeg.constant_rate_factor = "HIGH"
+
+
+def set_shadow_catcher(item):
+    item.is_shadow_catcher = True
+
+
+def straight_keys(owner, path):
+    """The keyframes of owner.path are joined by straight lines, whatever the user's preference."""
+    data = owner.animation_data
+    if hasattr(data.action, "fcurves"):
+        curves = data.action.fcurves
+    else:   # 5.0+: by layers and slots
+        curves = data.action.layers[0].strips[0].channelbag(data.action_slot).fcurves
+    for curve in curves:
+        if curve.data_path == path:
+            for key in curve.keyframe_points:
+                key.interpolation = "LINEAR"
+
+
+def _compositor(scene):
+    """(tree, the input of what is written), made where there is none."""
+    if hasattr(scene, "compositing_node_group"):   # 5.0+
+        tree = scene.compositing_node_group
+        if tree is None:
+            tree = scene.compositing_node_group = bpy.data.node_groups.new("Compositing", "CompositorNodeTree")
+        kind = "NodeGroupOutput"
+        if not any(n.bl_idname == kind for n in tree.nodes):
+            tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+    else:
+        scene.use_nodes, tree, kind = True, None, "CompositorNodeComposite"
+        tree = scene.node_tree
+    output = next((n for n in tree.nodes if n.bl_idname == kind), None) or tree.nodes.new(kind)
+    return tree, output.inputs[0]
+
+
+def composite_over(scene, image, name):
+    """The picture that is written is the rendered one over an image, stretched to it. Other nodes stay before it."""
+    remove_composite(scene, name)
+    tree, target = _compositor(scene)
+    if target.links:
+        source = target.links[0].from_socket
+    else:
+        source = tree.nodes.new("CompositorNodeRLayers").outputs["Image"]
+    plate, scale, over = (tree.nodes.new("CompositorNode" + kind) for kind in ("Image", "Scale", "AlphaOver"))
+    for k, node in enumerate((plate, scale, over)):
+        node.name = node.label = "%s %d" % (name, k)
+        node.location = (target.node.location.x - 600 + 200 * k, target.node.location.y - 250)
+    plate.image = image
+    if hasattr(scale, "space"):
+        scale.space = "RENDER_SIZE"
+        scale.frame_method = "STRETCH"
+    else:   # 5.0+: menus are inputs
+        scale.inputs["Type"].default_value = "Render Size"
+    colors = [s for s in over.inputs if s.type == "RGBA"]
+    tree.links.new(plate.outputs["Image"], scale.inputs[0])
+    tree.links.new(scale.outputs[0], colors[0])
+    tree.links.new(source, colors[1])
+    tree.links.new(over.outputs[0], target)
+
+
+def remove_composite(scene, name):
+    """Takes the nodes of composite_over away: what they were over is written."""
+    tree = getattr(scene, "compositing_node_group", None) or getattr(scene, "node_tree", None)
+    over = tree.nodes.get("%s 2" % name) if tree is not None else None
+    if over is None:
+        return
+    colors = [s for s in over.inputs if s.type == "RGBA"]
+    source = colors[1].links[0].from_socket if colors[1].links else None
+    for link in list(over.outputs[0].links):
+        if source is not None:
+            tree.links.new(source, link.to_socket)
+    for k in range(3):
+        tree.nodes.remove(tree.nodes["%s %d" % (name, k)])
+
+
 # User interface -----------------------------------------------------------------------------------------
 
 def path_options():

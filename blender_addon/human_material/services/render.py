@@ -88,7 +88,7 @@ def to_file(scene, path):
         check_whole(temporary)
         os.replace(temporary, path)
     finally:
-        _restore_output(scene, before)
+        restore_output(scene, before)
         if os.path.exists(temporary):
             os.remove(temporary)
 
@@ -112,7 +112,7 @@ def in_window(scene, path, report):
             words = "No picture: %s" % error
         if os.path.exists(temporary):
             os.remove(temporary)
-        _restore_output(scene, before)
+        restore_output(scene, before)
         report(words)
 
     def ended(*_):
@@ -129,17 +129,22 @@ def in_window(scene, path, report):
 OUTPUT = ("media_type", "file_format", "color_mode", "color_depth", "exr_codec", "compression")
 
 
+def output_state(scene):
+    """What the scene writes, to be put back by restore_output."""
+    settings, image = scene.render, scene.render.image_settings
+    return (settings.filepath, settings.use_file_extension,
+            {name: getattr(image, name) for name in OUTPUT if hasattr(image, name)})
+
+
 def _set_output(scene, path, temporary):
     """Makes the scene write `temporary`, a PNG or EXR as `path` says. Returns what it wrote before."""
-    settings, image = scene.render, scene.render.image_settings
-    before = (settings.filepath, settings.use_file_extension,
-              {name: getattr(image, name) for name in OUTPUT if hasattr(image, name)})
-    settings.filepath, settings.use_file_extension = temporary, False
+    before = output_state(scene)
+    scene.render.filepath, scene.render.use_file_extension = temporary, False
     compat.set_output(scene, kind_of(path))
     return before
 
 
-def _restore_output(scene, before):
+def restore_output(scene, before):
     settings, image = scene.render, scene.render.image_settings
     settings.filepath, settings.use_file_extension = before[:2]
     for name, value in before[2].items():   # the format before the depth that it can have

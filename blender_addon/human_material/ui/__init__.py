@@ -3,11 +3,13 @@
 import bpy
 
 from ..services import watch
-from . import (garment_operators, label_loop, label_operators, label_paint, label_panels, label_properties, operators, panels,
-               preferences, properties)
+from . import (garment_operators, label_loop, label_operators, label_paint, label_panels, label_properties, operators,
+               panels, preferences, properties, studio)
 
-CLASSES = (*preferences.CLASSES, *label_properties.CLASSES, *properties.CLASSES, *operators.CLASSES,
-           *label_paint.CLASSES, *label_operators.CLASSES, *garment_operators.CLASSES, *label_panels.CLASSES, *panels.CLASSES)
+#: in the order of the sidebar; settings first
+MODULES = (preferences, label_properties, properties, operators, label_paint, label_operators, garment_operators,
+           label_panels, panels, studio)
+CLASSES = tuple(cls for module in MODULES for cls in module.CLASSES)
 
 
 def register():

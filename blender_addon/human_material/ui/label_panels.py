@@ -32,7 +32,7 @@ class HM_PT_label(Panel, bpy.types.Panel):
 
 def draw_painting(layout, context, session):
     settings = context.scene.hm.label
-    layout.label(text="%s: %s" % (session.name, session.status))
+    layout.label(text=session.status)
     grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
     grid.use_property_split = False
     grid.prop(settings, "class_name", expand=True)
@@ -67,9 +67,9 @@ def draw_doubt(layout, session):
 
 
 def draw_saving(layout, context):
-    row = layout.row(align=True)
-    row.operator("hm.save_strokes", icon="FILE_TICK")
-    row.operator("hm.save_regions", icon="FILE_FOLDER")
+    column = layout.column(align=True)
+    column.operator("hm.save_strokes", icon="FILE_TICK")
+    column.operator("hm.save_regions", icon="FILE_FOLDER")
     for work in label_loop.saving:
         layout.label(text=work.words() or "Saving", icon="SORTTIME")
         layout.operator("hm.cancel_saving", icon="CANCEL")
