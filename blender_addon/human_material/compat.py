@@ -263,6 +263,14 @@ def path_options():
     return {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version[:2] >= (4, 5) else set()
 
 
+def user_folder(package):
+    """Where the add-on may keep files of its own; in 4.2+ an extension's folder."""
+    try:
+        return bpy.utils.extension_path_user(package, create=True)
+    except (AttributeError, ValueError):   # before 4.2, or an add-on that is no extension
+        return bpy.utils.user_resource("CONFIG", path="human_material")
+
+
 def _drawing():
     import gpu   # there is none without a window
     from gpu_extras.batch import batch_for_shader

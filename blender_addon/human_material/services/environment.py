@@ -78,6 +78,12 @@ def check_present(scene):
         raise InputError(path, "", "the environment is not there any more", "choose it again (Environment)")
 
 
+def path_of(scene):
+    """The environment's file, or ""."""
+    image = scene.world.node_tree.nodes[TEXTURE].image if has_world(scene) else None
+    return os.path.abspath(bpy.path.abspath(image.filepath)) if image is not None else ""
+
+
 def set_dark(scene):
     """No environment: other lights only."""
     nodes = world_nodes(scene)

@@ -8,7 +8,8 @@ IMAGE = material.NODE + "garments"   # its node: red is number / 255 of each pix
 MARK = "."                           # key of a garment's edit: class.number
 
 
-def _raster(image, channels):
+def raster(image, channels):
+    """The first channels of an image of ours."""
     width, height = image.size
     values = decode.zeros(4 * width * height)
     image.pixels.foreach_get(values)
@@ -22,7 +23,7 @@ def rasters_of(skin):
     """(diffuse, shares, width, height) that the material was built of."""
     nodes = skin.node_tree.nodes
     image = nodes[material.NODE + "diffuse"].image
-    return (_raster(image, 3), _raster(nodes[material.NODE + "shares"].image, len(classes.NAMES)), *image.size)
+    return (raster(image, 3), raster(nodes[material.NODE + "shares"].image, len(classes.NAMES)), *image.size)
 
 
 def numbers_of(skin):
@@ -35,7 +36,7 @@ def numbers_of(skin):
         node = material.texture(skin.node_tree, "garments", material.packed_image(skin.name + " garments", width,
                                                                                    height, [red]), 2400)
         node.interpolation = "Closest"
-    red = _raster(node.image, 1)
+    red = raster(node.image, 1)
     return bytearray(int(value * 255 + 0.5) for value in red), *node.image.size
 
 

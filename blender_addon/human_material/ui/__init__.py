@@ -3,12 +3,12 @@
 import bpy
 
 from ..services import watch
-from . import (garment_operators, label_loop, label_operators, label_paint, label_panels, label_properties, operators,
-               panels, preferences, properties, studio)
+from . import (files, garment_operators, label_loop, label_operators, label_paint, label_panels, label_properties, operators,
+               panels, preferences, properties, studio, thumbnails)
 
 #: in the order of the sidebar; settings first
 MODULES = (preferences, label_properties, properties, operators, label_paint, label_operators, garment_operators,
-           label_panels, panels, studio)
+           label_panels, panels, studio, files)
 CLASSES = tuple(cls for module in MODULES for cls in module.CLASSES)
 
 
@@ -19,9 +19,13 @@ def register():
     watch.register()
     label_loop.register()
     label_paint.register()
+    thumbnails.register()
+    files.register()
 
 
 def unregister():
+    files.unregister()
+    thumbnails.unregister()
     label_paint.unregister()
     label_loop.unregister()
     watch.unregister()

@@ -7,9 +7,10 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from .. import compat
-from ..services import (animate, camera, classes, edit, environment, garment_edit, lights, material, presets, relief,
-                        render)
+from ..services import (animate, camera, classes, edit, environment, garment_edit, lights, material, presets, recent,
+                        relief, render)
 from ..services.errors import InputError
+from . import thumbnails
 
 CLASS_ITEMS = [(entry["name"], entry["label"], "") for entry in classes.TABLE]
 PRESET_ITEMS = [(p.name, p.label, "") for p in presets.PRESETS.values()]
@@ -38,18 +39,36 @@ class ReliefOperator(Operator):
         return True
 
 
-class HM_OT_import_maps(Operator, ImportHelper):
+class DroppableOperator(Operator, ImportHelper):
+    """Base of what opens a file: by its dialog, or the file that was dropped on the window."""
+    filepath: StringProperty(subtype="FILE_PATH", options={"SKIP_SAVE", *compat.path_options()})
+
+    def invoke(self, context, event):
+        return self.execute(context) if self.filepath else ImportHelper.invoke(self, context, event)
+
+
+class HM_OT_import_maps(DroppableOperator):
     """Import the person of a maps folder (maps.json) and match the scene's camera"""
     bl_idname = "hm.import_maps"
     bl_label = "Import Maps"
     bl_options = {"REGISTER", "UNDO"}
     filename_ext = ".json"
     filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+    match_camera: BoolProperty(name="Match Camera", default=True,
+                               description="Camera and resolution become those of the person's picture")
+
+    def draw(self, context):
+        settings = context.scene.hm
+        self.layout.use_property_split = True
+        self.layout.prop(self, "match_camera")
+        self.layout.prop(settings, "jump_cm", text="Cut (cm)")
+        self.layout.prop(settings, "subsurface_method", text="Scatter")
+        self.layout.prop(settings, "subsurface_scale", text="Scale")
 
     def run(self, context):
         settings = context.scene.hm
         item, loaded = relief.load_into(context.scene, bpy.path.abspath(self.filepath), settings.jump_cm,
-                                        subsurface_method=settings.subsurface_method)
+                                        self.match_camera, settings.subsurface_method)
         material.set_subsurface_scale(relief.material_of(item), settings.subsurface_scale)
         animate.subsurface(context.scene, relief.material_of(item), material.SUBSURFACE_SCALE)
         if settings.scatter_everywhere:
@@ -81,7 +100,7 @@ class HM_OT_match_camera(ReliefOperator):
         return "%s matches %s" % (camera.match(context.scene, context.object).name, context.object.name)
 
 
-class HM_OT_set_environment(Operator, ImportHelper):
+class HM_OT_set_environment(DroppableOperator):
     """Light the scene by a latitude-longitude picture (EXR or HDR)"""
     bl_idname = "hm.set_environment"
     bl_label = "Environment"
@@ -96,6 +115,9 @@ class HM_OT_set_environment(Operator, ImportHelper):
         animate.environment(context.scene, environment.world_nodes(context.scene), environment.MAPPING,
                             environment.BACKGROUND)
         environment.show_background(context.scene, settings.show_background)
+        path = environment.path_of(context.scene)
+        recent.add(thumbnails.file(), path)
+        thumbnails.show(settings, path)
         return "Lit by %s" % image.name
 
 

@@ -42,6 +42,7 @@ class HM_PT_light(Panel, bpy.types.Panel):
     def draw(self, context):
         layout = self.prepared()
         settings = context.scene.hm
+        layout.template_icon_view(settings, "environment_file", show_labels=True, scale=4)
         layout.operator("hm.set_environment", icon="WORLD")
         if environment.has_world(context.scene):
             image = context.scene.world.node_tree.nodes[environment.TEXTURE].image

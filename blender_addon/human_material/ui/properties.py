@@ -5,7 +5,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 
 from .. import compat
 from ..services import camera, environment, material, relief, render
-from . import label_properties
+from . import label_properties, thumbnails
 
 SUBSURFACE_ITEMS = (
     ("random_walk_skin", "Random walk for skin", "Least noise, keeps details sharp"),
@@ -52,6 +52,11 @@ def _update_samples(self, context):
         context.scene.cycles.preview_samples = self.preview_samples
 
 
+def _update_environment(self, context):
+    if self.environment_file and self.environment_file != environment.path_of(context.scene):
+        bpy.ops.hm.set_environment("EXEC_DEFAULT", filepath=self.environment_file)
+
+
 class HM_PG_scene(bpy.types.PropertyGroup):
     jump_cm: FloatProperty(
         name="Depth Cut (cm)", default=5.0, min=0.1, soft_max=50, subtype="NONE",
@@ -84,6 +89,8 @@ class HM_PG_scene(bpy.types.PropertyGroup):
                     "for other views and sizes: then the maps are interpolated")
     samples: IntProperty(name="Final Samples", default=64, min=1, soft_max=1024, update=_update_samples,
                          description="Samples a pixel of the picture")
+    environment_file: EnumProperty(name="Environment", items=thumbnails.items, update=_update_environment,
+                                   options={"SKIP_SAVE"}, description="Used last, and of the preferences' folder")
     label: PointerProperty(type=label_properties.HM_PG_label)
     preview_samples: IntProperty(name="Preview Samples", default=16, min=1, soft_max=256, update=_update_samples,
                                  description="Samples a pixel in the viewport")
