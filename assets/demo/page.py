@@ -203,6 +203,23 @@ def add_estimate(page):
              [page.figure(estimate / f"{name}.png", f"{name}, estimated", 150) for name in MAPS])
     page.row([page.figure(previews / "view_000.relit.studio.png", "the picture", 150)] +
              [page.figure(previews / f"view_000.{name}.png", f"{name}, true", 150) for name in MAPS])
+    add_photograph(page)
+
+
+def add_photograph(page):
+    photograph = page.out / "photograph"
+    page.add("<h3>As a photograph, without a mask</h3>")
+    found = (photograph / "maps").exists()
+    page.add("<p>The same person before a wall, on a floor, with a camera's noise. "
+             + ("Nobody said where the person is: what differs from the picture's borders was taken "
+                "(<code>--matting NETWORK</code> finds people before any background). "
+                f"The maps: {page.link('photograph/maps/maps.json')}." if found else
+                "<b>Nobody was found in it</b>: give <code>--matting NETWORK</code> or <code>--mask</code>.") + "</p>")
+    pictures = [page.figure(photograph / "photograph.png", "the photograph", 150)]
+    if found:
+        pictures.append(page.figure(photograph / "maps" / "mask.png", "mask, found", 150))
+        pictures += [page.figure(photograph / "maps" / f"{name}.png", f"{name}, estimated", 150) for name in MAPS]
+    page.row(pictures)
 
 
 def add_relit(page):

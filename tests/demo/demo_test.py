@@ -2,6 +2,7 @@
 
 usage: demo_test.py SOURCE_DIR SCREENSHOT.png
 """
+import json
 import os
 import re
 import shutil
@@ -103,6 +104,20 @@ class DemoPage(unittest.TestCase):
         for colour in legend:
             rgb = tuple(int(colour[i:i + 2], 16) for i in (1, 3, 5))
             self.assertTrue(any(max(abs(a - b) for a, b in zip(rgb, seen)) <= 1 for seen in colours), colour)
+
+    def test_estimates_from_a_photograph_without_a_mask(self):
+        """The person was found, and in the photograph they are what the mask says: neither nothing nor the wall."""
+        text = (self.mailed / "index.html").read_text(encoding="utf-8")
+        self.assertIn("mask, found", text)
+        self.assertNotIn("Nobody was found", text)
+        maps = self.mailed / "photograph" / "maps"
+        for name in ("normal", "diffuse", "roughness", "specular", "sss", "displacement"):
+            self.assertIn(f"photograph_maps_{name}.png", text)
+        crop = json.loads((maps / "maps.json").read_text(encoding="utf-8"))["source"]["photo_crop_px"]
+        rows = pixels_of_png(self.mailed / "photograph" / "photograph.png")
+        width = int(sum(1 for _ in rows) / 1.25) ** 0.5        # the photograph is 4 : 5
+        self.assertGreater(crop["side"], 0.8 * width)
+        self.assertLess(crop["side"], 1.15 * width)
 
     def test_keeps_a_screenshot(self):
         result = chromium(self.mailed / "index.html", f"--screenshot={SCREENSHOT}", "--window-size=1240,3200")
