@@ -4,14 +4,11 @@
 #include <cmath>
 #include <numeric>
 
-#include "dataset/model/sampling.h"
-
 namespace ohb::renderer {
 namespace {
 
 constexpr int kPool_px = 2;  // the neighbours on each side that a pixel's noise is told from
 constexpr double kLeastShare = 0.25, kMostShare = 16;
-constexpr double kOwnLog2 = 0.1;
 // The squared error of n Sobol points is about variance n^-1.3 here (measured), so n in proportion to
 // (variance / work)^(1 / 2.3) is best.
 constexpr double kSobolExponent = 1 / 2.3;
@@ -123,45 +120,20 @@ std::vector<uint32_t> adaptive_budget(const Pilots& pilots, const std::vector<ui
 std::vector<uint32_t> continued_budget(const Pilots& begun, uint32_t begun_spp,
                                        const std::vector<uint8_t>& seen, int size_px, double mean_spp) {
   std::vector<uint32_t> budget(seen.size(), 0);
-  for (int of = 0; of < kPixelClasses; ++of) {
+  for (int own = 0; own < kPixelClasses; ++own) {
     std::vector<uint8_t> members(seen.size(), 0);
     for (int y = 0; y < size_px; ++y)
       for (int x = 0; x < size_px; ++x) {
         const size_t i = static_cast<size_t>(y) * size_px + x;
-        members[i] = seen[i] && pixel_class(x, y) == of;
+        members[i] = seen[i] && pixel_class(x, y) == own;
       }
-    const Noise noise(begun, seen, size_px, of);
+    const Noise noise(begun, seen, size_px, own);
     const std::vector<uint32_t> paths =
-        powers_of_two(paths_of(shares_of(noise, members, size_px, kSobolExponent), members, mean_spp));
+        paths_of(shares_of(noise, members, size_px, kSobolExponent), members, mean_spp);
     for (size_t i = 0; i < budget.size(); ++i)
       if (members[i]) budget[i] = std::max(paths[i], begun_spp);
   }
   return budget;
-}
-
-std::vector<uint32_t> powers_of_two(const std::vector<uint32_t>& budget) {
-  const auto sum_of = [](const std::vector<uint32_t>& paths) {
-    return std::accumulate(paths.begin(), paths.end(), uint64_t{0});
-  };
-  const uint64_t wanted = sum_of(budget);
-  // The largest of the scales that keep the sum. Equal budgets must not all jump at once: each has a little
-  // of its own.
-  std::vector<uint32_t> best(budget.size(), 0);
-  double low = -1, high = 1;
-  for (int step = 0; step < 16; ++step) {
-    const double scale = 0.5 * (low + high);
-    std::vector<uint32_t> rounded(budget.size(), 0);
-    for (size_t i = 0; i < budget.size(); ++i) {
-      if (budget[i] == 0) continue;
-      const double own = kOwnLog2 * (static_cast<double>(mix_bits(i) >> 11) * 0x1p-53 - 0.5);
-      rounded[i] =
-          1u << static_cast<int>(std::clamp(std::round(std::log2(budget[i]) + own + scale), 0.0, 31.0));
-    }
-    const bool fits = sum_of(rounded) <= wanted;
-    (fits ? low : high) = scale;
-    if (fits) best = std::move(rounded);
-  }
-  return sum_of(best) > 0 ? best : budget;
 }
 
 }  // namespace ohb::renderer

@@ -28,15 +28,11 @@ constexpr int pixel_class(int x, int y) {
   return (x & 1) | (y & 1) << 1;
 }
 
-/// The same where the first begun_spp paths of each pixel are made and stay: powers of two, none below that
-/// (a power of two itself). `begun` are consecutive equal parts of them. What a pixel gets is a function of
-/// the other classes' pixels alone (each class has its own sum), so it does not depend on its own paths and
-/// the mean of all of them is unbiased, as long as classes share no random numbers.
+/// The same where the first begun_spp paths of each pixel are made and stay: none below that. `begun` are
+/// consecutive equal parts of them. What a pixel gets is a function of the other classes' pixels alone (each
+/// class has its own sum), so it does not depend on its own paths and the mean of all of them is unbiased, as
+/// long as classes share no random numbers.
 std::vector<uint32_t> continued_budget(const Pilots& begun, uint32_t begun_spp,
                                        const std::vector<uint8_t>& seen, int size_px, double mean_spp);
-
-/// Budgets of a like sum (never more), each a power of two: Sobol points are even at these numbers, and 45 of
-/// them may err more than 32.
-std::vector<uint32_t> powers_of_two(const std::vector<uint32_t>& budget);
 
 }  // namespace ohb::renderer

@@ -64,7 +64,7 @@ TEST(AdaptiveBudget, NobodyStarves) {
     ASSERT_EQ(paths, 64u);
 }
 
-TEST(ContinuedBudget, FollowsTheNoiseInPowersOfTwoAboveWhatIsMade) {
+TEST(ContinuedBudget, FollowsTheNoiseAboveWhatIsMade) {
   constexpr int kSize = 64;
   const auto begun = noisy_pilots(
       kSize, [](int x, int) { return 0.02f * std::exp2(static_cast<float>(x) / 16); });  // of 1 to 16
@@ -76,14 +76,12 @@ TEST(ContinuedBudget, FollowsTheNoiseInPowersOfTwoAboveWhatIsMade) {
     for (int x = 0; x < kSize; ++x) {
       const uint32_t paths = budget[static_cast<size_t>(y) * kSize + x];
       ASSERT_EQ(paths >= 8, y >= 10);
-      ASSERT_EQ(paths & (paths - 1), 0u);
       sum += paths;
       if (y < 12 || x < 16 || x > 60) continue;  // without the least budgets and the borders
       const double log2 = std::log2(paths);
       n += 1, xs += x, ys += log2, xx += x * x, xy += x * log2;
     }
-  EXPECT_LE(sum, 64.0 * kSize * (kSize - 10));
-  EXPECT_GT(sum, 0.97 * 64.0 * kSize * (kSize - 10));
+  EXPECT_NEAR(sum / (64.0 * kSize * (kSize - 10)), 1, 0.01);
   // n in proportion to the variance to 1 / (1 + 1.3), as squared errors of n^-1.3 want it.
   EXPECT_NEAR((n * xy - xs * ys) / (n * xx - xs * xs) * 16, 2 / 2.3, 0.08);
 }
@@ -130,28 +128,6 @@ TEST(ContinuedBudget, NoPixelDecidesItsOwn) {
       }
     EXPECT_GT(differ, 100) << "the neighbours do";
   }
-}
-
-TEST(PowersOfTwo, KeepTheSumAndStayWithinAFactor) {
-  Random random(5, 0, 0);
-  for (const double spread : {0.0, 0.3, 3.0}) {
-    std::vector<uint32_t> budget(5000, 0);
-    uint64_t wanted = 0, got = 0;
-    for (size_t i = 0; i < budget.size(); i += 2)
-      wanted += budget[i] = static_cast<uint32_t>(56 * std::exp2(spread * (random.next() - 0.5)));
-    const std::vector<uint32_t> rounded = powers_of_two(budget);
-    for (size_t i = 0; i < budget.size(); ++i) {
-      got += rounded[i];
-      ASSERT_EQ(rounded[i] & (rounded[i] - 1), 0u) << "also where nothing is asked for";
-      ASSERT_EQ(rounded[i] > 0, budget[i] > 0);
-      if (budget[i] > 0) {
-        ASSERT_NEAR(std::log2(rounded[i]), std::log2(budget[i]), 1.1);
-      }
-    }
-    EXPECT_LE(got, wanted);
-    EXPECT_GT(static_cast<double>(got), 0.98 * static_cast<double>(wanted)) << spread;
-  }
-  EXPECT_EQ(powers_of_two({1, 0, 1}), (std::vector<uint32_t>{1, 0, 1}));
 }
 
 struct Fixture {
