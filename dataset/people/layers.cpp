@@ -109,6 +109,23 @@ void press_below(Part& inner, const Outer& outer) {
   }
 }
 
+/// Drops the hair that still comes through a hat: the hat lies between it and the head, for which the eyes
+/// stand.
+void drop_hair_outside(Part& hair, const Outer& hat, Vec3f eyes) {
+  auto& faces = hair.faces;
+  const auto is_outside = [&](uint32_t face) {
+    const Vec3f at = middle_of(hair, face, hair.posed_cm), to_eyes = eyes - at;
+    return hat.posed.is_blocked(at, normalised(to_eyes), length(to_eyes));
+  };
+  faces.erase(std::remove_if(faces.begin(), faces.end(), is_outside), faces.end());
+}
+
+Vec3f mean_of(const std::vector<Vec3f>& positions) {
+  Vec3f sum;
+  for (const Vec3f& position : positions) sum += position;
+  return sum / static_cast<float>(std::max<size_t>(positions.size(), 1));
+}
+
 /// Hair that hangs below the chin is lifted out of what it lies on.
 void lift_hair(Part& hair, const std::vector<const Part*>& below, float chin_cm) {
   constexpr float kReach_cm = 5, kAbove_cm = .4f;
@@ -147,6 +164,7 @@ void settle_layers(Person& person) {
       if (!(is_hair ? is_hat : is_inside)) continue;
       drop_hidden(inner, outer);
       press_below(inner, outer);
+      if (is_hair) drop_hair_outside(inner, outer, mean_of(person.parts[1].posed_cm));
     }
   }
   std::vector<const Part*> below;

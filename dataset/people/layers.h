@@ -7,7 +7,7 @@ namespace ohb::people {
 
 /// Drops the body's faces that a garment hides (its delete_verts) where the garment really lies over them,
 /// and presses each inner layer below each outer one, in the pose. Long hair is lifted out of the shoulders,
-/// and pressed below hats.
+/// and pressed below hats; what still comes through a hat goes.
 void settle_layers(Person& person);
 
 /// Where an inner layer still comes through.

@@ -106,11 +106,25 @@ TEST(Layers, SkinThatComesThroughIsPressedUnder) {
 TEST(Layers, AHatPressesHairInFromFarAndSkinDoesNotFollow) {
   TwoSheets sheets(-4);  // as a brow lies above the brim seen along its normal
   sheets.item.slot = Slot::kHat;
+  sheets.person.parts.insert(sheets.person.parts.begin() + 1, sheet(PartKind::kEyes, 1, -8));
   sheets.person.parts.push_back(sheet(PartKind::kHair, 10, 0));
   sheets.person.chin_cm = -100;
   settle_layers(sheets.person);
   for (const Vec3f& position : sheets.person.skin().posed_cm) EXPECT_EQ(position.z, 0);
-  for (const Vec3f& position : sheets.person.parts[2].posed_cm) EXPECT_NEAR(position.z, -4.25f, 1e-4f);
+  const Part& hair = sheets.person.parts.back();
+  for (const Vec3f& position : hair.posed_cm) EXPECT_NEAR(position.z, -4.25f, 1e-4f);
+  EXPECT_EQ(hair.faces.size(), 100u);
+}
+
+TEST(Layers, HairThatStandsOutOfAHatGoes) {
+  TwoSheets sheets(-4);
+  sheets.item.slot = Slot::kHat;
+  sheets.person.parts.insert(sheets.person.parts.begin() + 1, sheet(PartKind::kEyes, 1, -8));
+  sheets.person.parts.push_back(
+      sheet(PartKind::kHair, 10, 3));  // 7 cm above the hat: too far to be pressed in
+  sheets.person.chin_cm = -100;
+  settle_layers(sheets.person);
+  EXPECT_TRUE(sheets.person.parts.back().faces.empty());
 }
 
 TEST(Layers, SkinThatLiesUnderStaysWhereItIs) {
