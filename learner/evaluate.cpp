@@ -171,6 +171,13 @@ class Evaluation {
   size_t pictures_ = 0;
 };
 
+int size_to_judge(const EvaluateOptions& options, const Estimator& estimator) {
+  const int size_px = options.size_px > 0 ? options.size_px : estimator.header().at("size_px").get<int>();
+  if (size_px % kResolutionStep != 0)
+    throw InputError("", "--size " + std::to_string(size_px), "is no multiple of 16", "give another");
+  return size_px;
+}
+
 }  // namespace
 
 EvaluationReport evaluate(const EvaluateOptions& options) {
@@ -178,9 +185,7 @@ EvaluationReport evaluate(const EvaluateOptions& options) {
   const Dataset dataset = read_dataset(options.data);
   const TrainedOn trained = trained_on(estimator.headers());
   const std::vector<std::string> people = people_to_judge(options.people, dataset, estimator.headers());
-  const int size_px = options.size_px > 0 ? options.size_px : estimator.header().at("size_px").get<int>();
-  if (size_px % kResolutionStep != 0)
-    throw InputError("", "--size " + std::to_string(size_px), "is no multiple of 16", "give another");
+  const int size_px = size_to_judge(options, estimator);
   const std::vector<fs::path> views = views_of(dataset, people);
   std::vector<std::string> names;
   for (const auto& [name, by] : trained) names.push_back(name);
