@@ -227,8 +227,11 @@ def resume(program, item):
     """Starts the program for a scan that is in the scene (a .blend that was opened again)."""
     if item.name in sessions:
         return sessions[item.name]
+    beside = os.path.join(os.path.dirname(bpy.data.filepath), os.path.basename(item[scan_object.SCAN]))
+    if not os.path.isfile(item[scan_object.SCAN]) and os.path.isfile(beside):   # the project was moved
+        item[scan_object.SCAN] = beside
     if not os.path.isfile(item[scan_object.SCAN]):
-        raise InputError(item[scan_object.SCAN], "", "the scan is no longer there", "put it back")
+        raise InputError(item[scan_object.SCAN], "", "the scan is no longer there", "put it back, or beside the .blend")
     scan_object.expect_unchanged(item)
     options = json.loads(item[scan_object.OPTIONS])
     sessions[item.name] = Session(program, item[scan_object.SCAN], options["unit"], options["up"], item=item)

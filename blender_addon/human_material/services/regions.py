@@ -3,6 +3,7 @@
 import os
 import shutil
 import tempfile
+import zlib
 
 from . import programs
 from .errors import InputError
@@ -24,15 +25,22 @@ def strokes_xml(strokes, sha256):
 
 
 def write_strokes(path, strokes, sha256):
-    """Whole or not at all."""
+    """Whole or not at all. Gives the file's print_of."""
     try:
         handle, part = tempfile.mkstemp(dir=os.path.dirname(os.path.abspath(path)), suffix=".part")
         with os.fdopen(handle, "w", encoding="utf-8") as file:
             file.write(strokes_xml(strokes, sha256))
         os.chmod(part, 0o644)
         os.replace(part, path)
+        return print_of(path)
     except OSError as error:
         raise InputError(path, "", "cannot be written (%s)" % error.strerror, "choose another folder") from None
+
+
+def print_of(path):
+    """Tells whether a file is the one that was written."""
+    with open(path, "rb") as file:
+        return "%08x" % zlib.crc32(file.read())
 
 
 class Saving:

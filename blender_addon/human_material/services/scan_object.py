@@ -14,6 +14,7 @@ from .errors import InputError
 
 SCAN, SHA256, UNIT, OPTIONS, STROKES, PRINT = ("hm_scan", "hm_scan_sha256", "hm_unit_cm", "hm_scan_options",
                                                "hm_strokes", "hm_mesh_print")
+SAVED = "hm_strokes_saved"   # what the strokes.xml looked like that was written last
 NUMBER, CLASS, CONFIDENCE = "hm_face", "hm_class", "hm_confidence"   # attributes of the mesh's faces
 
 

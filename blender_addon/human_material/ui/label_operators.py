@@ -148,6 +148,8 @@ class HM_OT_save_strokes(ScanOperator):
     filepath: StringProperty(subtype="FILE_PATH", options=compat.path_options())
     filter_glob: StringProperty(default="*.xml", options={"HIDDEN"})
     check_existing: BoolProperty(default=True, options={"HIDDEN"})
+    overwrite: BoolProperty(name="Overwrite", default=False, options={"SKIP_SAVE"},
+                            description="Replace strokes that this window did not write")
 
     def invoke(self, context, event):
         self.filepath = os.path.splitext(context.object[scan_object.SCAN])[0] + ".strokes.xml"
@@ -157,11 +159,20 @@ class HM_OT_save_strokes(ScanOperator):
     def run(self, context):
         path, item = bpy.path.abspath(self.filepath), context.object
         found = scan_object.strokes_of(item)
-        if os.path.exists(path) and strokes.read(path)[1] not in ("", item[scan_object.SHA256]):
-            raise InputError(path, "", "holds the strokes of another scan", "choose another name")
+        self.expect_ours(path, item)
         scan_object.expect_unchanged(item)
-        regions.write_strokes(path, found, item[scan_object.SHA256])
+        item[scan_object.SAVED] = regions.write_strokes(path, found, item[scan_object.SHA256])
         return "Wrote %d strokes: %s" % (len(found), path)
+
+
+    def expect_ours(self, path, item):
+        """Raises InputError for the strokes of another scan, or, unless told, of another window on this one."""
+        if not os.path.exists(path):
+            return
+        if strokes.read(path)[1] not in ("", item[scan_object.SHA256]):
+            raise InputError(path, "", "holds the strokes of another scan", "choose another name")
+        if not self.overwrite and regions.print_of(path) != item.get(scan_object.SAVED):
+            raise InputError(path, "", "holds strokes that were not saved from here", "choose another name, or Overwrite")
 
 
 class HM_OT_save_regions(ScanOperator):

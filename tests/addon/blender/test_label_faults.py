@@ -163,6 +163,33 @@ class LabelFaults(s.Registered):
             with open(path, encoding="ascii") as file:
                 self.assertEqual(file.read(), text)
 
+    def test_two_windows_on_one_scan_do_not_overwrite_each_other(self):
+        self.open()
+        path = os.path.join(self.folder, "s.xml")
+        bpy.ops.hm.save_strokes(filepath=path)
+        bpy.ops.hm.save_strokes(filepath=path)   # its own
+        with open(path, encoding="ascii") as file:
+            text = file.read()
+        with open(path, "w", encoding="ascii") as file:   # the other window
+            file.write(text.replace("</strokes>", '<stroke class="hair" radius_cm="1"><point face="1" at="0,9,0"/>'
+                                    '</stroke></strokes>'))
+        self.before = state(self.scene)
+        self.expect_refusal("were not saved from here; choose another name, or Overwrite", bpy.ops.hm.save_strokes,
+                            filepath=path)
+        bpy.ops.hm.save_strokes(filepath=path, overwrite=True)
+        with open(path, encoding="ascii") as file:
+            self.assertEqual(file.read(), text)
+
+    def test_a_project_that_was_moved_finds_its_scan(self):
+        self.open()
+        label_session.close_all()
+        moved = os.path.join(self.folder, "moved")
+        os.mkdir(moved)
+        os.rename(self.scan, os.path.join(moved, "scan.obj"))
+        bpy.ops.wm.save_as_mainfile(filepath=os.path.join(moved, "a.blend"))
+        bpy.ops.hm.label_start()
+        self.assertEqual(label_session.of(bpy.context.object).phase, "ready")
+
     def test_strokes_that_cannot_be_gone_on_with(self):
         label_program.write(self.folder)
         path = os.path.join(self.folder, "s.xml")

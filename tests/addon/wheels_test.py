@@ -1,0 +1,82 @@
+"""Runs the suite, the installation and the extension platform's own validation in other versions of Blender, as modules
+of Python:
+
+    wheels_test.py --make FOLDER 4.5.14 5.0.1     makes a virtual environment a version there (350 MB each, by pip)
+    wheels_test.py PYTHON...                      runs in these; without any, in those of HM_BPY_PYTHONS (with colons)
+
+Ends with a line a version; exits with 77 and says so where there is none.
+"""
+import os
+import runpy
+import subprocess
+import sys
+import tempfile
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+SUITE = ("test_import", "test_material", "test_light", "test_edit", "test_bad_input", "test_guest", "test_garments",
+         "test_studio", "test_files", "test_label_faults", "test_label")
+VALIDATOR = "import bpy, os; print(os.path.join(bpy.utils.system_resource('SCRIPTS'), " \
+            "'addons_core', 'bl_pkg', 'cli', 'blender_ext.py'))"
+
+
+def make(folder, versions):
+    for version in versions:
+        home = os.path.join(folder, "bpy-" + version)
+        subprocess.run([sys.executable, "-m", "venv", home], check=True)
+        subprocess.run([os.path.join(home, "bin", "pip"), "install", "-q", "bpy==" + version], check=True)
+        print(os.path.join(home, "bin", "python"))
+
+
+def environment_of(folder):
+    return dict(os.environ, BLENDER_USER_RESOURCES=folder, BLENDER_USER_CONFIG=os.path.join(folder, "config"),
+                BLENDER_USER_SCRIPTS=os.path.join(folder, "scripts"),
+                BLENDER_USER_EXTENSIONS=os.path.join(folder, "extensions"))
+
+
+def validate(python, folder):
+    """The platform's own words, or None where this version has no extensions."""
+    found = subprocess.run([python, "-c", VALIDATOR], capture_output=True, text=True).stdout.split()
+    if not found or not os.path.exists(found[-1]):
+        return None
+    archive = os.path.join(folder, "human_material.zip")
+    build = os.path.join(os.path.dirname(os.path.dirname(HERE)), "blender_addon", "tools", "build_zip.py")
+    runpy.run_path(build)["build"](archive)
+    done = subprocess.run([python, found[-1], "validate", archive], capture_output=True, text=True)
+    return (done.stdout + done.stderr).strip() if done.returncode == 0 else "INVALID: " + done.stdout + done.stderr
+
+
+def test(python):
+    """A line of words, and whether all is well."""
+    with tempfile.TemporaryDirectory(prefix="hm") as folder:
+        words, is_good = [], True
+        for modules in (SUITE, ("test_registration",)):
+            for name in ("config", "scripts", "extensions"):
+                os.makedirs(os.path.join(folder, name), exist_ok=True)
+            done = subprocess.run([python, os.path.join(HERE, "blender", "run.py"), *modules], capture_output=True,
+                                  text=True, env=environment_of(folder))
+            lines = done.stdout.strip().splitlines()
+            words.append(lines[-1] if lines else "nothing ran: " + done.stderr[-300:])
+            if done.returncode != 0:
+                is_good = False
+                print(done.stdout[-8000:] + done.stderr[-2000:])
+        found = validate(python, folder)
+        words.append("no extensions" if found is None else found.replace(folder, ""))
+        return "; ".join(words), is_good and not (found or "").startswith("INVALID")
+
+
+def main(arguments):
+    if arguments[:1] == ["--make"]:
+        return make(arguments[1], arguments[2:])
+    pythons = arguments or [p for p in os.environ.get("HM_BPY_PYTHONS", "").split(":") if p]
+    if not pythons:
+        print("skipped: no other Blender; make some with wheels_test.py --make FOLDER 4.5.14 5.0.1 and name their "
+              "Pythons in HM_BPY_PYTHONS")
+        return 77
+    results = [(python, *test(python)) for python in pythons]
+    for python, words, _ in results:
+        print("%s: %s" % (python, words))
+    return int(not all(is_good for _, _, is_good in results))
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
