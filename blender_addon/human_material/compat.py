@@ -144,7 +144,7 @@ def render_state(scene):
             "viewport denoiser": scene.cycles.use_preview_denoising,
             "view": scene.view_settings.view_transform, "look": scene.view_settings.look,
             "exposure": scene.view_settings.exposure, "gamma": scene.view_settings.gamma,
-            "compositor": scene.use_nodes}
+            "compositor": has_compositor(scene)}
 
 
 def set_pixel_filter(scene, kind):
@@ -200,7 +200,23 @@ def straight_keys(owner, path):
                 key.interpolation = "LINEAR"
 
 
-def _compositor(scene):
+def has_compositor(scene):
+    """Whether nodes change the picture. From 5.0 `use_nodes` says nothing."""
+    if hasattr(scene, "compositing_node_group"):
+        return scene.render.use_compositing and scene.compositing_node_group is not None
+    return scene.use_nodes
+
+
+def set_compositor(scene, is_on):
+    if hasattr(scene, "compositing_node_group"):
+        scene.render.use_compositing = is_on
+        if is_on:
+            compositor(scene)
+    else:
+        scene.use_nodes = is_on
+
+
+def compositor(scene):
     """(tree, the input of what is written), made where there is none."""
     if hasattr(scene, "compositing_node_group"):   # 5.0+
         tree = scene.compositing_node_group
@@ -210,7 +226,7 @@ def _compositor(scene):
         if not any(n.bl_idname == kind for n in tree.nodes):
             tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
     else:
-        scene.use_nodes, tree, kind = True, None, "CompositorNodeComposite"
+        scene.use_nodes, kind = True, "CompositorNodeComposite"
         tree = scene.node_tree
     output = next((n for n in tree.nodes if n.bl_idname == kind), None) or tree.nodes.new(kind)
     return tree, output.inputs[0]
@@ -219,7 +235,8 @@ def _compositor(scene):
 def composite_over(scene, image, name):
     """The picture that is written is the rendered one over an image, stretched to it. Other nodes stay before it."""
     remove_composite(scene, name)
-    tree, target = _compositor(scene)
+    set_compositor(scene, True)
+    tree, target = compositor(scene)
     if target.links:
         source = target.links[0].from_socket
     else:

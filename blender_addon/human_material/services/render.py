@@ -26,7 +26,7 @@ def prepare_scene(scene, samples, preview_samples, **asked):
     if asked.get("plain_view"):
         compat.set_plain_view(scene)
     if asked.get("no_compositor"):
-        scene.use_nodes = False
+        compat.set_compositor(scene, False)
     after = compat.render_state(scene)
     return ["%s %s (was %s)" % (name, after[name], before[name]) for name in after if after[name] != before[name]]
 
@@ -36,7 +36,7 @@ def prepare(scene, samples=64, seed=0):
     compositor."""
     compat.set_cycles(scene, samples, seed)
     compat.set_plain_view(scene)
-    scene.use_nodes = False
+    compat.set_compositor(scene, False)
 
 
 def set_pixel_exact(scene, skin, exact):

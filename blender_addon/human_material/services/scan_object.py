@@ -9,6 +9,7 @@ from array import array
 
 import bpy
 
+from .. import compat
 from . import vector
 from .errors import InputError
 
@@ -76,9 +77,9 @@ def _mesh_of(scan, name):
 
 def _material(name, picture, color):
     material = bpy.data.materials.new(name or "scan")
-    material.use_nodes = True
+    tree = compat.node_tree_of(material)
     material.diffuse_color = (*color, 1)
-    shader = next(n for n in material.node_tree.nodes if n.type == "BSDF_PRINCIPLED")
+    shader = next(n for n in tree.nodes if n.type == "BSDF_PRINCIPLED")
     shader.inputs["Roughness"].default_value = 0.8
     shader.inputs["Base Color"].default_value = (*color, 1)
     if picture:

@@ -66,7 +66,7 @@ class Guest(s.Registered):
         self.imported()
         self.scene.render.engine = "BLENDER_EEVEE" if hasattr(bpy.types, "SceneEEVEE") and \
             compat.generation() == "principled_v1" else "CYCLES"
-        self.scene.use_nodes = True
+        compat.set_compositor(self.scene, True)
         self.scene.view_settings.view_transform = "Filmic"
         self.scene.cycles.use_denoising = compat.can_denoise()
         before = compat.render_state(self.scene)
@@ -78,7 +78,7 @@ class Guest(s.Registered):
         self.assertEqual((after["engine"], after["samples"]), ("CYCLES", 77))
         bpy.ops.hm.prepare_render(plain_view=True, no_compositor=True)
         self.assertEqual(compat.render_state(self.scene)["view"], "Standard")
-        self.assertFalse(self.scene.use_nodes)
+        self.assertFalse(compat.has_compositor(self.scene))
 
     def test_render_picture_asks_and_leaves_the_output_settings(self):
         self.imported()

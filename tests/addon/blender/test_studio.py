@@ -6,6 +6,7 @@ import bpy
 from mathutils import Vector
 from support import image_files, maps_folder, scene as s
 
+from human_material import compat
 from human_material.services import plate, render, rigs
 from human_material.services.maps import read_raster
 
@@ -56,30 +57,29 @@ class Studio(s.Registered):
 
     def test_other_nodes_of_the_compositor_stay(self):
         self.prepare()
-        self.scene.use_nodes = True
-        tree = self.scene.node_tree
-        layers = next(n for n in tree.nodes if n.type == "R_LAYERS")
-        end = next(n for n in tree.nodes if n.type == "COMPOSITE")
+        compat.set_compositor(self.scene, True)
+        tree, end = compat.compositor(self.scene)
+        layers = tree.nodes.new("CompositorNodeRLayers")
         own = tree.nodes.new("CompositorNodeInvert")
         tree.links.new(layers.outputs[0], own.inputs["Color"])
-        tree.links.new(own.outputs[0], end.inputs[0])
+        tree.links.new(own.outputs[0], end)
         count = len(tree.nodes)
         bpy.ops.hm.set_plate(filepath=self.photo)
         bpy.ops.hm.remove_plate()
         self.assertEqual(len(tree.nodes), count)
-        self.assertEqual(end.inputs[0].links[0].from_node, own)
+        self.assertEqual(end.links[0].from_node, own)
 
     def test_wrong_photographs_change_nothing(self):
         wide = os.path.join(self.folder, "wide.png")
         image_files.png(wide, 20, 10, [0] * 600, 3, 8)
-        before = s.data_counts(), self.scene.use_nodes
+        before = s.data_counts(), compat.has_compositor(self.scene)
         for path, words in ((wide, "is 20 x 10, the scene's picture 24 x 24"), (self.folder + "/none.png", "no such")):
             with self.assertRaisesRegex(RuntimeError, words):
                 bpy.ops.hm.set_plate(filepath=path)
         self.scene.camera = None
         with self.assertRaisesRegex(RuntimeError, "Match Camera first"):
             bpy.ops.hm.set_plate(filepath=self.photo)
-        self.assertEqual((s.data_counts(), self.scene.use_nodes), before)
+        self.assertEqual((s.data_counts(), compat.has_compositor(self.scene)), before)
 
     def test_the_ground_is_its_shadow_alone(self):
         self.prepare()
