@@ -57,9 +57,10 @@ cv::Mat encoded(const cv::Mat& linear) {
   return picture;
 }
 
-/// OpenCV's words in one line.
-std::string words_of(const cv::Exception& error, const std::string& otherwise) {
-  std::string words = error.err.empty() ? otherwise : error.err;
+/// OpenCV's words in one line. A damaged file also makes its reader run out of memory or of its own ranges.
+std::string words_of(const std::exception& error, const std::string& otherwise) {
+  const auto* of_opencv = dynamic_cast<const cv::Exception*>(&error);
+  std::string words = of_opencv && !of_opencv->err.empty() ? of_opencv->err : otherwise;
   std::replace(words.begin(), words.end(), '\n', ' ');
   return words.substr(words.find_first_not_of("> ") == std::string::npos ? 0 : words.find_first_not_of("> "));
 }
@@ -78,7 +79,7 @@ class Network {
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     try {
       net_ = cv::dnn::readNetFromONNX(file.string());
-    } catch (const cv::Exception& error) {
+    } catch (const std::exception& error) {
       throw_no_network(file, words_of(error, "it cannot be read"));
     }
     if (net_.empty()) throw_no_network(file, "it is empty");
@@ -90,7 +91,7 @@ class Network {
     try {
       net_.setInput(cv::dnn::blobFromImage(picture, 1, cv::Size(kNetwork_px, kNetwork_px)));
       out = net_.forward();
-    } catch (const cv::Exception& error) {
+    } catch (const std::exception& error) {
       throw_no_network(file_, words_of(error, "it fails on a picture"));
     }
     if (out.dims != 4 || out.size[0] != 1 || out.size[1] != 1 || out.size[2] != kNetwork_px ||

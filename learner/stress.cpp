@@ -1,7 +1,7 @@
 #include "learner/stress.h"
 
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <map>
 
 #include "dataset/model/error.h"
@@ -134,9 +134,9 @@ class Stress {
 
   /// At the picture's size, however large the networks saw it.
   Timed estimated(const StressPicture& picture) const {
-    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t start = std::clock();
     MaterialMaps maps = estimator_.estimate(resized_to(picture.input, picture.network_px).contiguous());
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     for (const LearnedMap& map : kMaps) maps.*map.tensor = resized_to(maps.*map.tensor, picture.mask.size(3));
     return {maps, seconds};
   }

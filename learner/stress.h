@@ -32,7 +32,7 @@ struct StressLevel {
   double change = 0;    // of the albedo against that of the harmless picture: mean difference over mean; NaN
                         // where the pixels show something else
   double baked_in = 0;  // correlation of the albedo's log error with the picture's log shading; 0 is clean
-  double seconds = 0;   // of the networks, a picture
+  double seconds = 0;   // of processors, by the networks, a picture
 };
 
 struct StressSeries {

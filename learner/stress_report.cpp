@@ -35,7 +35,8 @@ std::vector<std::string> panels_of(const StressSeries& series, size_t number) {
     return validation::gnuplot_quoted(text) + " noenhanced";
   };
   const std::string axis = fmt::format(
-      "set xlabel {}\nset arrow 1 from {:g}, graph 0 to {:g}, graph 1 nohead dt 3 lc rgb '#999999'\n",
+      "unset logscale\nunset label\nset xlabel {}\nset arrow 1 from {:g}, graph 0 to {:g}, graph 1 nohead dt "
+      "3 lc rgb '#999999'\n",
       quoted(series.parameter), series.harmless, series.harmless);
   const std::vector<double> broken = series.broken();
   const std::string title =
@@ -65,7 +66,7 @@ std::vector<std::string> time_panels(const StressReport& report, size_t number) 
     return validation::gnuplot_quoted(text) + " noenhanced";
   };
   const std::string axis =
-      "unset arrow 1\nset logscale x\nset xlabel 'seconds a picture'\n"
+      "unset arrow 1\nset logscale x\nset xlabel 'processor seconds a picture'\n"
       "set title 'accuracy against time: by size'\n";
   std::string labels;
   for (const StressLevel& l : report.series.at(number).levels)
