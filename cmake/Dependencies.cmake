@@ -45,4 +45,5 @@ if(OHB_WITH_LEARNER)
   # Debian's reference BLAS is some 50 times slower than OpenBLAS; humanmaterial warns of it.
   find_package(Torch REQUIRED)
   find_package(OpenMP REQUIRED)
+  find_path(OHB_GLOO_INCLUDES gloo/context.h)
 endif()

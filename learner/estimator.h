@@ -5,7 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "learner/train.h"
+#include "learner/checkpoint.h"
+#include "learner/priors.h"
 
 namespace ohb::learner {
 

@@ -24,10 +24,7 @@ Draw draw_at(uint64_t seed, uint64_t position, size_t view_count) {
 }
 
 Loader::Loader(std::vector<std::filesystem::path> views, Settings settings)
-    : views_(std::move(views)),
-      settings_(settings),
-      next_to_read_(settings.first_position),
-      next_to_give_(settings.first_position) {
+    : views_(std::move(views)), settings_(settings) {
   if (views_.empty()) throw InputError("", "--data", "there is no view to read", "give a dataset with views");
   for (int i = 0; i < std::max(1, settings_.threads); ++i) workers_.emplace_back([this] { work(); });
 }
@@ -48,7 +45,7 @@ void Loader::work() {
       return stopping_ || next_to_read_ < next_to_give_ + static_cast<uint64_t>(settings_.ahead);
     });
     if (stopping_) return;
-    const uint64_t position = next_to_read_++;
+    const uint64_t number = next_to_read_++, position = position_of(number);
     lock.unlock();
     Result result;
     try {
@@ -58,7 +55,7 @@ void Loader::work() {
       result.error = std::current_exception();
     }
     lock.lock();
-    ready_.emplace(position, std::move(result));
+    ready_.emplace(number, std::move(result));
     changed_.notify_all();
   }
 }

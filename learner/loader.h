@@ -30,6 +30,8 @@ class Loader {
     int size_px = 128;
     uint64_t seed = 1, first_position = 0;
     int threads = 1, ahead = 4;  // examples held ready at most
+    // Positions in blocks: `block` of them, then on to `stride` after the block's first.
+    uint64_t block = 1, stride = 1;
   };
   /// Throws InputError if there is no view.
   Loader(std::vector<std::filesystem::path> views, Settings settings);
@@ -48,10 +50,14 @@ class Loader {
     std::exception_ptr error;
   };
   void work();
+  /// Of the n-th example handed out.
+  uint64_t position_of(uint64_t n) const {
+    return settings_.first_position + n / settings_.block * settings_.stride + n % settings_.block;
+  }
 
   std::vector<std::filesystem::path> views_;
   Settings settings_;
-  uint64_t next_to_read_, next_to_give_;
+  uint64_t next_to_read_ = 0, next_to_give_ = 0;
   double waited_s_ = 0;
   bool stopping_ = false;
   std::map<uint64_t, Result> ready_;

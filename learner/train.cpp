@@ -15,6 +15,7 @@
 #include "dataset/model/json_text.h"
 #include "learner/hash.h"
 #include "learner/loader.h"
+#include "learner/ranks.h"
 #include "learner/recolour.h"
 #include "learner/run_header.h"
 #include "learner/run_log.h"
@@ -82,6 +83,7 @@ Batch next_batch(Loader& loader, int size, const Augmentation& augmentation, uin
 /// What one step came to.
 struct Step {
   double total, map, render, gradient_norm;
+  bool interrupted = false;  // one of the ranks
   bool finite() const { return std::isfinite(total) && std::isfinite(gradient_norm); }
 };
 
@@ -114,6 +116,7 @@ class Trainer {
  public:
   explicit Trainer(const TrainOptions& options)
       : options_(options),
+        ranks_(Ranks::from_environment()),
         dataset_(read_dataset(options.data)),
         split_(split_people(dataset_, options.held_out, options.seed)),
         views_(views_of(dataset_, split_.training)),
@@ -121,8 +124,14 @@ class Trainer {
         header_(run_header(options, dataset_, split_, steps_)),
         network_(make_seeded()),
         optimiser_(network_.module(), {options.weight_decay}) {
+    if (options_.batch % ranks_.count() != 0)
+      throw InputError("", "--batch " + std::to_string(options_.batch),
+                       "is no multiple of WORLD_SIZE, " + std::to_string(ranks_.count()),
+                       "it is that of all ranks together: give another");
+    if (!ranks_.is_first()) options_.quiet = true;
     if (options.guidance == Guidance::kPriors) priors_ = std::make_unique<PriorSet>(options.priors);
-    first_step_ = start_or_resume();
+    first_step_ = ranks_.is_first() ? start_or_resume() : 0;
+    agree_with_first();
   }
 
   TrainReport run();
@@ -136,14 +145,25 @@ class Trainer {
     torch::manual_seed(options_.seed);
     return make_network(options_.task, options_.width);
   }
+  int batch_of_rank() const { return options_.batch / ranks_.count(); }
+  uint64_t first_position_of(int64_t step) const {
+    return static_cast<uint64_t>((step - 1) * options_.batch + ranks_.rank() * batch_of_rank());
+  }
   int64_t start_or_resume();
+  void agree_with_first();
+  Losses losses_of_batch(const Batch& batch, int64_t number);
+  void join(Step& result);
   Step step(const Batch& batch, int64_t number);
-  void note_skipped(const Batch& batch, int64_t number, int64_t in_a_row, RunLog& log);
-  void stop_if_interrupted(int64_t number, RunLog& log);
+  void note(const json& event) {
+    if (log_) log_->add(event);
+  }
+  void note_skipped(const Batch& batch, int64_t number, int64_t in_a_row);
+  void stop_if_interrupted(int64_t number, bool interrupted);
   void save(int64_t step);
   void finish(TrainReport& report);
 
   TrainOptions options_;
+  Ranks ranks_;
   Dataset dataset_;
   Split split_;
   std::vector<fs::path> views_;
@@ -152,6 +172,7 @@ class Trainer {
   Network network_;
   AdamW optimiser_;
   std::unique_ptr<PriorSet> priors_;
+  std::unique_ptr<RunLog> log_;  // of the first rank
 };
 
 int64_t Trainer::start_or_resume() {
@@ -167,8 +188,22 @@ int64_t Trainer::start_or_resume() {
   return load_checkpoint(*newest, optimiser_).at("step").get<int64_t>();
 }
 
-Step Trainer::step(const Batch& batch, int64_t number) {
-  optimiser_.clear_gradients();
+/// The others begin where rank 0 does, with its checkpoint, and only if they do the same.
+void Trainer::agree_with_first() {
+  if (ranks_.is_alone()) return;
+  const json first = json::parse(
+      ranks_.from_first(json{{"header", header_}, {"steps", steps_}, {"step", first_step_}}.dump()));
+  if (ranks_.is_first()) return;
+  check_same_run(first["header"], header_, "rank 0");
+  if (first["steps"] != steps_)
+    throw InputError("rank 0", "steps", "are others than those of rank " + std::to_string(ranks_.rank()),
+                     "give all ranks the same options");
+  first_step_ = first["step"];
+  if (first_step_ > 0) load_checkpoint(checkpoint_file(options_.run, first_step_), optimiser_);
+}
+
+/// Of this rank's part, each loss weighted so that the ranks' sum is the loss of the joint batch.
+Losses Trainer::losses_of_batch(const Batch& batch, int64_t number) {
   Tensor guidance;
   if (options_.task == Task::kFinetune)
     guidance = priors_ ? priors_->estimate(batch.input) : encoded_maps(Task::kFinetune, batch.truth);
@@ -176,11 +211,38 @@ Step Trainer::step(const Batch& batch, int64_t number) {
   const auto lights = training_lights(key_of({options_.seed, kLightPlace, static_cast<uint64_t>(number)}));
   shading::Options shading;
   shading.log_domain = !options_.linear_render;
-  const Losses losses = losses_of(options_.task, output, batch.truth, batch.mask, lights,
-                                  {options_.render_weight, shading, options_.balanced});
+  Losses losses = losses_of(options_.task, output, batch.truth, batch.mask, lights,
+                            {options_.render_weight, shading, options_.balanced});
+  if (ranks_.is_alone()) return losses;
+  // The maps' loss is a mean by coverage, the rendering loss one over pixels of the foreground.
+  const double covered = batch.mask.sum().item<double>(), pixels = (batch.mask > 0.5).sum().item<double>();
+  std::vector<double> all = {covered, pixels};
+  ranks_.sum(all);
+  losses.map = losses.map * (covered / all[0]);
+  losses.render = losses.render * (pixels / all[1]);
+  losses.total = losses.map + options_.render_weight * losses.render;
+  return losses;
+}
+
+/// Losses and gradients of the joint batch.
+void Trainer::join(Step& result) {
+  std::vector<double> sums = {result.total, result.map, result.render, is_interrupted() ? 1.0 : 0.0};
+  ranks_.sum(sums);
+  result = {sums[0], sums[1], sums[2], 0, sums[3] > 0};
+  if (!std::isfinite(result.total)) return;
+  std::vector<Tensor> gradients;
+  for (const AdamW::State& s : optimiser_.states())
+    if (s.parameter.grad().defined()) gradients.push_back(s.parameter.grad());
+  ranks_.sum(gradients);
+}
+
+Step Trainer::step(const Batch& batch, int64_t number) {
+  optimiser_.clear_gradients();
+  const Losses losses = losses_of_batch(batch, number);
   Step result{losses.total.item<double>(), losses.map.item<double>(), losses.render.item<double>(), 0};
+  if (std::isfinite(result.total)) losses.total.backward();
+  if (!ranks_.is_alone()) join(result);
   if (!std::isfinite(result.total)) return result;
-  losses.total.backward();
   RECORD_USER_SCOPE("optimiser");
   result.gradient_norm = optimiser_.clip_gradients(options_.clip);
   if (result.finite()) optimiser_.update(learning_rate_at(options_, number, steps_), number);
@@ -188,6 +250,7 @@ Step Trainer::step(const Batch& batch, int64_t number) {
 }
 
 void Trainer::save(int64_t step) {
+  if (!ranks_.is_first()) return;
   const Finishing whole;
   header_["step"] = step;
   header_["version"] = OHB_VERSION;
@@ -195,14 +258,16 @@ void Trainer::save(int64_t step) {
 }
 
 void Trainer::finish(TrainReport& report) {
+  report.is_first_rank = ranks_.is_first();
+  if (!ranks_.is_first()) return;
   header_["step"] = steps_;
   header_["version"] = OHB_VERSION;
   report.weights = options_.run / kWeightsName;
   save_weights(report.weights, header_, network_);
 }
 
-void Trainer::note_skipped(const Batch& batch, int64_t number, int64_t in_a_row, RunLog& log) {
-  log.add({{"event", "skipped"}, {"step", number}, {"samples", batch.names}});
+void Trainer::note_skipped(const Batch& batch, int64_t number, int64_t in_a_row) {
+  note({{"event", "skipped"}, {"step", number}, {"samples", batch.names}});
   spdlog::warn("step {} left out: loss or gradient is not finite for {}", number, batch.names[0]);
   if (in_a_row == kMaxSkippedInARow)
     throw InputError(batch.names[0], "step " + std::to_string(number),
@@ -210,16 +275,13 @@ void Trainer::note_skipped(const Batch& batch, int64_t number, int64_t in_a_row,
                      "look at the sample, or lower --learning-rate");
 }
 
-void Trainer::stop_if_interrupted(int64_t number, RunLog& log) {
-  try {
-    throw_if_interrupted();
-  } catch (const TryAgainError&) {
-    save(number);
-    log.add({{"event", "stopped"}, {"step", number}});
-    throw TryAgainError(options_.run.string(),
-                        "stopped by a signal after step " + std::to_string(number) + ", which is saved",
-                        "add --resume to go on");
-  }
+void Trainer::stop_if_interrupted(int64_t number, bool interrupted) {
+  if (!interrupted) return;
+  save(number);
+  note({{"event", "stopped"}, {"step", number}});
+  throw TryAgainError(options_.run.string(),
+                      "stopped by a signal after step " + std::to_string(number) + ", which is saved",
+                      "add --resume to go on");
 }
 
 TrainReport Trainer::run() {
@@ -227,14 +289,16 @@ TrainReport Trainer::run() {
   TrainReport report;
   report.first_step = first_step_;
   report.steps = steps_;
-  RunLog log(options_.run / "log.jsonl", first_step_);
-  log.add({{"event", first_step_ > 0 ? "resume" : "start"},
-           {"step", first_step_},
-           {"steps", steps_},
-           {"threads", torch::get_num_threads()},
-           {"options", header_}});
-  Loader loader(views_, {options_.size_px, options_.seed, static_cast<uint64_t>(first_step_ * options_.batch),
-                         options_.loader_threads, 4 * options_.batch});
+  if (ranks_.is_first()) log_ = std::make_unique<RunLog>(options_.run / "log.jsonl", first_step_);
+  note({{"event", first_step_ > 0 ? "resume" : "start"},
+        {"step", first_step_},
+        {"steps", steps_},
+        {"threads", torch::get_num_threads()},
+        {"ranks", ranks_.count()},
+        {"options", header_}});
+  Loader loader(views_, {options_.size_px, options_.seed, first_position_of(first_step_ + 1),
+                         options_.loader_threads, 4 * batch_of_rank(), static_cast<uint64_t>(batch_of_rank()),
+                         static_cast<uint64_t>(options_.batch)});
   const Augmentation augmentation{options_.mirror ? key_of({options_.seed, kMirror}) : 0,
                                   options_.recolour ? key_of({options_.seed, kRecolour}) : 0,
                                   options_.snapshots ? key_of({options_.seed, kSnapshot}) : 0};
@@ -245,8 +309,7 @@ TrainReport Trainer::run() {
   std::unique_ptr<StepProfile> profile;  // the first step, which makes threads and buffers, is left out
   for (int64_t number = first_step_ + 1; number <= steps_; ++number) {
     if (options_.profile && number == first_step_ + 2) profile = std::make_unique<StepProfile>();
-    const Batch batch = next_batch(loader, options_.batch, augmentation,
-                                   static_cast<uint64_t>((number - 1) * options_.batch));
+    const Batch batch = next_batch(loader, batch_of_rank(), augmentation, first_position_of(number));
     const Step result = step(batch, number);
     in_a_row = result.finite() ? 0 : in_a_row + 1;
     if (result.finite()) {
@@ -255,7 +318,7 @@ TrainReport Trainer::run() {
       if (steps_ - number < tenth) last.add(result);
     } else {
       ++report.skipped;
-      note_skipped(batch, number, in_a_row, log);
+      note_skipped(batch, number, in_a_row);
     }
     if (number % options_.log_every == 0 && logged.count > 0) {
       json line = logged.take();
@@ -263,11 +326,12 @@ TrainReport Trainer::run() {
       line["learning_rate"] = learning_rate_at(options_, number, steps_);
       line["seconds"] = progress.seconds();
       line["data_wait_s"] = loader.waited_s();
-      log.add(line);
+      note(line);
     }
     progress.show(number, result.total, loader.waited_s());
     if (number == steps_ || number % options_.checkpoint_every == 0) save(number);
-    if (number < steps_) stop_if_interrupted(number, log);
+    if (number < steps_)
+      stop_if_interrupted(number, ranks_.is_alone() ? is_interrupted() : result.interrupted);
   }
   if (profile) report.profile = profile->lines();
   report.seconds = progress.seconds();
@@ -275,7 +339,7 @@ TrainReport Trainer::run() {
   report.first_loss = first.mean(first.total);
   report.last_loss = last.mean(last.total);
   finish(report);
-  log.add({{"event", "done"}, {"step", steps_}, {"seconds", report.seconds}});
+  note({{"event", "done"}, {"step", steps_}, {"seconds", report.seconds}});
   return report;
 }
 
@@ -319,33 +383,6 @@ TrainReport train(const TrainOptions& options) {
   const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
   torch::set_num_threads(options.threads > 0 ? options.threads : static_cast<int>(processors));
   return Trainer(options).run();
-}
-
-PriorSet::PriorSet(const std::vector<fs::path>& files_or_runs, PriorsNeeded needed) {
-  for (const fs::path& file : files_or_runs) {
-    const LoadedNetwork loaded = load_network(file);
-    const Task task = loaded.network.task;
-    if (task != Task::kFinetune && !networks_.emplace(task, loaded.network).second)
-      throw InputError(file.string(), "", std::string("is a second ") + name_of(task) + " prior",
-                       "give one of each");
-  }
-  for (const Task task : {Task::kGeometry, Task::kAlbedo, Task::kRss})
-    if (networks_.count(task) == 0 && (needed == PriorsNeeded::kAll || networks_.empty()))
-      throw InputError("", "priors", std::string("there is no ") + name_of(task) + " prior",
-                       "give geometry, albedo and rss");
-}
-
-Tensor PriorSet::estimate(const Tensor& input) const {
-  torch::NoGradGuard no_gradients;
-  std::vector<Tensor> outputs;
-  for (const Task task : {Task::kGeometry, Task::kAlbedo, Task::kRss}) {
-    const auto found = networks_.find(task);
-    outputs.push_back(found != networks_.end()
-                          ? found->second.forward(input, {})
-                          : torch::full({input.size(0), output_channels(task), input.size(2), input.size(3)},
-                                        std::nan("")));
-  }
-  return torch::cat(outputs, 1);
 }
 
 }  // namespace ohb::learner

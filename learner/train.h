@@ -3,12 +3,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "learner/checkpoint.h"
+#include "learner/priors.h"
 #include "learner/profile.h"
 #include "learner/task.h"
 
@@ -26,8 +26,8 @@ struct TrainOptions {
   bool resume = false;
   std::vector<std::string> held_out;  // people; empty: split_people chooses
   double width = 0.25;
-  int size_px = 128, batch = 1;
-  int64_t steps = 0;  // 0: `epochs` passes over the views
+  int size_px = 128, batch = 1;  // of all ranks together
+  int64_t steps = 0;             // 0: `epochs` passes over the views
   int epochs = 100;
   double learning_rate = 1e-4, weight_decay = 0.01, clip = 1;
   int64_t warmup = 1000;  // steps of linear rise; at most a tenth of all
@@ -52,7 +52,8 @@ struct TrainReport {
   int64_t first_step = 0, steps = 0, skipped = 0;
   double first_loss = 0, last_loss = 0;  // means over the first and the last tenth of this call's steps
   double seconds = 0, data_wait_s = 0;
-  std::filesystem::path weights;
+  bool is_first_rank = true;         // of Ranks; the others write nothing
+  std::filesystem::path weights;     // of the first rank
   std::vector<ProfileLine> profile;  // of this call's steps but the first, if asked for
 };
 
@@ -62,8 +63,11 @@ struct TrainReport {
 ///
 /// A step whose loss or gradient isn't finite is left out and logged with its samples' names; ten in a row
 /// are an InputError.
-/// Throws InputError: bad options or data, a run that exists (without `resume`) or that was started with
-/// other options (with it); TryAgainError: disk full, or SIGINT or SIGTERM, after saving.
+/// Several processes may train together (Ranks): the batch is that of all of them, each takes its part, and
+/// only the first writes. Same batch, same run, on any number of ranks, up to rounding. Throws InputError:
+/// bad options or data, ranks that disagree, a run that exists (without `resume`) or that was started with
+/// other options (with it); TryAgainError: disk full, another rank that ended, or SIGINT or SIGTERM, after
+/// saving.
 TrainReport train(const TrainOptions& options);
 
 /// Throws InputError, naming the option, for values that make no sense together.
@@ -71,22 +75,5 @@ void check_train_options(const TrainOptions& options);
 
 /// Learning rate of step `step` of `steps`, counted from 1.
 double learning_rate_at(const TrainOptions& options, int64_t step, int64_t steps);
-
-/// Whether a set of priors must be whole.
-enum class PriorsNeeded { kAll, kAny };
-
-/// The priors' ten channels side by side, in the order of the finetuning model, without gradients; NaN in
-/// those of a prior that is not there. Throws InputError unless `priors` are one of geometry, albedo and rss
-/// each, in any order (kAny: at least one of them, none twice).
-class PriorSet {
- public:
-  explicit PriorSet(const std::vector<std::filesystem::path>& files_or_runs,
-                    PriorsNeeded needed = PriorsNeeded::kAll);
-  bool is_whole() const { return networks_.size() == 3; }
-  torch::Tensor estimate(const torch::Tensor& input) const;
-
- private:
-  std::map<Task, Network> networks_;
-};
 
 }  // namespace ohb::learner

@@ -16,9 +16,45 @@ namespace {
 
 constexpr uint64_t kMostSteps = 1'000'000'000'000;
 
+/// Options by name; what the command line says itself goes before them.
+struct Preset {
+  const char* name;
+  std::vector<std::pair<const char*, const char*>> options;
+};
+const std::vector<Preset>& presets() {
+  static const std::vector<Preset> all = {
+      {"paper",
+       {{"--width", "1"},
+        {"--size", "512"},
+        {"--batch", "1"},
+        {"--learning-rate", "1e-4"},
+        {"--linear-render-loss", "true"}}},
+      // What the weights that come along were trained with (assets/train_open_weights.sh).
+      {"best",
+       {{"--batch", "2"},
+        {"--learning-rate", "5e-4"},
+        {"--cosine", "true"},
+        {"--mirror", "true"},
+        {"--recolour", "true"},
+        {"--snapshots", "true"},
+        {"--balanced", "true"}}}};
+  return all;
+}
+
+void apply_preset(CLI::App& command, const std::string& name) {
+  for (const Preset& preset : presets())
+    if (preset.name == name)
+      for (const auto& [option, value] : preset.options) {
+        CLI::Option* of_command = command.get_option(option);
+        if (of_command->count() > 0) continue;
+        of_command->add_result(value);
+        of_command->run_callback();
+      }
+}
+
 struct Arguments {
   learner::TrainOptions train;
-  std::string task, data, output, guidance = "truth";
+  std::string task, data, output, preset, guidance = "truth";
   std::vector<std::string> priors;
 };
 
@@ -49,6 +85,7 @@ int run_train(Arguments arguments, const CommonOptions& common) {
   learner::check_train_options(o);
   print_size(o);
   const learner::TrainReport report = learner::train(o);
+  if (!report.is_first_rank) return 0;
   const int64_t done = report.steps - report.first_step;
   const double wait = report.seconds > 0 ? report.data_wait_s / report.seconds : 0;
   if (common.json) {
@@ -79,7 +116,7 @@ void add_schedule(CLI::App& command, learner::TrainOptions& o) {
       .add_option("--size", o.size_px, "pixels of a side, a multiple of 16 that divides the samples' size")
       ->check(program::whole_within(16, 8192))
       ->capture_default_str();
-  command.add_option("--batch", o.batch, "samples a step")
+  command.add_option("--batch", o.batch, "samples a step, of all ranks together")
       ->check(program::whole_within(1, 65536))
       ->capture_default_str();
   command.add_option("--steps", o.steps, "steps in all (default: by --epochs)")
@@ -143,6 +180,10 @@ void add_train_command(CLI::App& app, Commands& commands) {
       ->capture_default_str();
   command->add_option("--priors", arguments->priors,
                       "finetune with --guidance priors: three runs or weights");
+  std::vector<std::string> names;
+  for (const Preset& preset : presets()) names.emplace_back(preset.name);
+  command->add_option("--preset", arguments->preset, "options by name; those given too go before it")
+      ->check(CLI::IsMember(names));
   add_schedule(*command, arguments->train);
   add_losses(*command, arguments->train);
   add_bookkeeping(*command, arguments->train);
@@ -152,8 +193,11 @@ void add_train_command(CLI::App& app, Commands& commands) {
       {"humanmaterial train geometry --data dataset --size 128 --width 0.25 --epochs 20 -o runs/geometry",
        "humanmaterial train finetune --data dataset --guidance priors --priors runs/geometry runs/albedo "
        "runs/rss -o runs/finetune"},
-      "SIGINT and SIGTERM save and exit with 75; --resume goes on, bit for bit as if nothing had happened."));
-  command->callback([arguments, &commands] {
+      "SIGINT and SIGTERM save and exit with 75; --resume goes on, bit for bit as if nothing had happened.\n"
+      "RANK, WORLD_SIZE, MASTER_ADDR and MASTER_PORT, as torchrun sets them, make several processes one "
+      "training."));
+  command->callback([arguments, command, &commands] {
+    apply_preset(*command, arguments->preset);
     commands.run = [arguments, &commands] { return run_train(*arguments, commands.common); };
   });
 }

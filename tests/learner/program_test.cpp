@@ -29,11 +29,27 @@ TEST(Program, SaysWhatItIs) {
   const Result version = run(folder, {"--version"});
   EXPECT_EQ(version.code, 0);
   EXPECT_NE(version.out.find("libtorch"), std::string::npos) << version.out;
-  for (const char* command : {"train", "evaluate", "estimate", "relight"}) {
+  for (const char* command : {"train", "evaluate", "stress", "estimate", "relight"}) {
     const Result help = run(folder, {command, "--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_NE(help.out.find("Examples:"), std::string::npos) << help.out;
   }
+}
+
+TEST(Program, PresetsAreOptionsThatOthersGoBefore) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 2, 1, 16);
+  std::vector<std::string> words = training(folder, "2");
+  for (const char* word : {"--preset", "best", "--learning-rate", "0.25"}) words.push_back(word);
+  const Result result = run(folder, words);
+  ASSERT_EQ(result.code, 0) << result.error;
+  const nlohmann::json header = read_checkpoint_header(*newest_checkpoint(folder / "run"));
+  for (const char* flag : {"cosine", "mirror", "recolour", "snapshots", "balanced"})
+    EXPECT_EQ(header[flag], true) << flag;
+  EXPECT_EQ(header["batch"], 2);
+  EXPECT_EQ(header["learning_rate"], 0.25) << "given";
+  EXPECT_EQ(header["width"], 0.125);
+  EXPECT_EQ(run(folder, {"train", "rss", "--preset", "cheap", "--data", "d", "-o", "o"}).code, 2);
 }
 
 TEST(Program, ResultsThatNobodyGetsAreNoSuccess) {

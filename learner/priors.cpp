@@ -1,0 +1,37 @@
+#include "learner/priors.h"
+
+#include "dataset/model/error.h"
+#include "learner/checkpoint.h"
+
+namespace ohb::learner {
+namespace fs = std::filesystem;
+using torch::Tensor;
+
+PriorSet::PriorSet(const std::vector<fs::path>& files_or_runs, PriorsNeeded needed) {
+  for (const fs::path& file : files_or_runs) {
+    const LoadedNetwork loaded = load_network(file);
+    const Task task = loaded.network.task;
+    if (task != Task::kFinetune && !networks_.emplace(task, loaded.network).second)
+      throw InputError(file.string(), "", std::string("is a second ") + name_of(task) + " prior",
+                       "give one of each");
+  }
+  for (const Task task : {Task::kGeometry, Task::kAlbedo, Task::kRss})
+    if (networks_.count(task) == 0 && (needed == PriorsNeeded::kAll || networks_.empty()))
+      throw InputError("", "priors", std::string("there is no ") + name_of(task) + " prior",
+                       "give geometry, albedo and rss");
+}
+
+Tensor PriorSet::estimate(const Tensor& input) const {
+  torch::NoGradGuard no_gradients;
+  std::vector<Tensor> outputs;
+  for (const Task task : {Task::kGeometry, Task::kAlbedo, Task::kRss}) {
+    const auto found = networks_.find(task);
+    outputs.push_back(found != networks_.end()
+                          ? found->second.forward(input, {})
+                          : torch::full({input.size(0), output_channels(task), input.size(2), input.size(3)},
+                                        std::nan("")));
+  }
+  return torch::cat(outputs, 1);
+}
+
+}  // namespace ohb::learner

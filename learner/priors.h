@@ -1,0 +1,29 @@
+// The three priors as one network.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "learner/task.h"
+
+namespace ohb::learner {
+
+/// Whether a set of priors must be whole.
+enum class PriorsNeeded { kAll, kAny };
+
+/// The priors' ten channels side by side, in the order of the finetuning model, without gradients; NaN in
+/// those of a prior that is not there. Throws InputError unless `priors` are one of geometry, albedo and rss
+/// each, in any order (kAny: at least one of them, none twice).
+class PriorSet {
+ public:
+  explicit PriorSet(const std::vector<std::filesystem::path>& files_or_runs,
+                    PriorsNeeded needed = PriorsNeeded::kAll);
+  bool is_whole() const { return networks_.size() == 3; }
+  torch::Tensor estimate(const torch::Tensor& input) const;
+
+ private:
+  std::map<Task, Network> networks_;
+};
+
+}  // namespace ohb::learner
