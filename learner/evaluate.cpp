@@ -44,6 +44,15 @@ Tensor mean_maps(const std::vector<fs::path>& views, int size_px) {
   return (sum / weight).to(torch::kFloat);
 }
 
+/// The training people's views, or `otherwise` where there is none in the data.
+std::vector<fs::path> views_of_constant(const Dataset& dataset, const TrainedOn& trained,
+                                        const std::vector<fs::path>& otherwise) {
+  std::vector<std::string> names;
+  for (const auto& [name, by] : trained) names.push_back(name);
+  const std::vector<fs::path> training = views_of(dataset, names);
+  return training.empty() ? otherwise : training;
+}
+
 MaterialMaps constant_maps(const Tensor& mean, const MaterialMaps& truth) {
   return maps_of(Task::kFinetune,
                  mean.expand({1, mean.size(1), truth.normal.size(2), truth.normal.size(3)}).contiguous(), {});
@@ -187,16 +196,13 @@ EvaluationReport evaluate(const EvaluateOptions& options) {
   const std::vector<std::string> people = people_to_judge(options.people, dataset, estimator.headers());
   const int size_px = size_to_judge(options, estimator);
   const std::vector<fs::path> views = views_of(dataset, people);
-  std::vector<std::string> names;
-  for (const auto& [name, by] : trained) names.push_back(name);
-  const std::vector<fs::path> training = views_of(dataset, names);
   std::optional<RelitScores> relit;
   if (options.relit.views_a_person > 0 && !estimator.is_whole())
     spdlog::info("not relit: that needs all the maps, and so geometry, albedo and rss");
   else if (options.relit.views_a_person > 0)
     relit.emplace(options.relit);
   const auto to_relight = relit_views(dataset, people, options.relit.views_a_person);
-  Evaluation evaluation(estimator, mean_maps(training.empty() ? views : training, size_px),
+  Evaluation evaluation(estimator, mean_maps(views_of_constant(dataset, trained, views), size_px),
                         relit ? &*relit : nullptr);
   Progress progress("evaluating", views.size(), options.quiet);
   for (const fs::path& view : views) {
