@@ -73,6 +73,5 @@ train geometry 6000
 train albedo 8000
 train rss 6000 --balanced
 for prior in geometry albedo rss; do priors+=("$out/runs/$prior"); done
-"$learner" evaluate "${priors[@]}" --data "$out/samples_test/humans" -o "$out/report"
-cp "$out/report/evaluation.md" "$out/results.md"
+HUMANMATERIAL="$learner" KEEP="$out/report" "$here/results.sh" "$out/samples_test/humans" "$out/results.md" "${priors[@]}"
 echo "$out/results.md"
