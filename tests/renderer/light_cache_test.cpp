@@ -132,11 +132,14 @@ RenderSettings small_settings() {
 
 TEST(LightCache, PicturesEqualThoseByRays) {
   // Truth: the path tracer with shadow rays and 32 bounces. Rough and shiny; a sky, a low sun, a near point
-  // light. A shallow bowl as clothes are, and a deep one of which most is lit by itself.
+  // light. A shallow bowl as clothes are, and a deep one of which most is lit by itself. Measured, the larger
+  // of both roughnesses, and the upper end of its 99.8 % interval: 0.012 (0.015), 0.018 (0.024), 0.018
+  // (0.019); deep: 0.039 (0.048), 0.047 (0.054), 0.036 (0.068). The seeds are fixed: only other random
+  // numbers can raise a false alarm, those of the sun in one of 70 at most.
   struct Bound {
     float depth_cm, sky, sun, lamp;
   };
-  for (const Bound& bound : {Bound{16, 0.015f, 0.03f, 0.02f}, Bound{60, 0.04f, 0.07f, 0.045f}})
+  for (const Bound& bound : {Bound{16, 0.015f, 0.024f, 0.019f}, Bound{60, 0.04f, 0.054f, 0.045f}})
     for (const float roughness : {0.6f, 0.2f}) {
       const Pictures pictures = render_both(
           bowl({{0.8f, 0.5f, 0.3f}, roughness, 0.2f, 0}, 48, bound.depth_cm),
