@@ -71,9 +71,9 @@ Vec3d removed_cm(const Scan& scan, double unit_cm) {
 }
 
 /// What a second scan's positions lack to lie where the first's do.
-Vec3f between_cm(const Vec3d& of, const Vec3d& first) {
-  return {static_cast<float>(of.x - first.x), static_cast<float>(of.y - first.y),
-          static_cast<float>(of.z - first.z)};
+Vec3f between_cm(const Vec3d& second, const Vec3d& first) {
+  return {static_cast<float>(second.x - first.x), static_cast<float>(second.y - first.y),
+          static_cast<float>(second.z - first.z)};
 }
 
 /// The cage's points less the scan's, in cm, one a position of the mesh.
@@ -176,7 +176,7 @@ TextureSetEntry write_set(SetBake& set, const std::filesystem::path& folder, Tex
   // Maps of 8192 x 8192 from a source leave room in 4 GiB for the levels of one.
   constexpr size_t kMostTexelsInPairs = size_t{1} << 25;
   const bool are_large = static_cast<size_t>(set.width_px()) * set.height_px() > kMostTexelsInPairs;
-  // Of two, a map is written while the next is made, and few are in memory at once.
+  // With two at a time a map is written while the next is made, and few are in memory.
   run_jobs(jobs, wants_mips && are_large ? 1 : 2);
   for (size_t i = 0; i < kMapKinds.size(); ++i)
     if (is_named[i]) entry.maps.push_back(kMapKinds[i].name);

@@ -112,7 +112,7 @@ std::vector<uint32_t> SeamBand::claim_texels(const RowBand& band, const std::vec
   return side_of;
 }
 
-/// Of the texels of the rows those whose other side is wholly covered by faces.
+/// The texels of the rows whose other side is wholly covered by faces.
 std::vector<SeamBand::Carried> SeamBand::carried_in(const RowBand& band,
                                                     const std::vector<uint8_t>& is_face) const {
   const std::vector<uint32_t> side_of = claim_texels(band, is_face);

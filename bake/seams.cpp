@@ -103,6 +103,7 @@ float along_of(int point) {
 /// The first `count` mip levels of a map where lookups at seams read them.
 std::vector<SparseLevel> levels_at_seams(const Image& map, const std::vector<Seam>& seams, int count) {
   std::vector<SparseLevel> levels;
+  levels.reserve(count);
   for (int l = 0; l < count; ++l) levels.emplace_back(map, l);
   tbb::parallel_for(1, std::max(1, count), [&](int l) {
     for (const Seam& seam : seams)

@@ -68,7 +68,7 @@ Image constant_image(MapSize size, Vec3f value) {
   return image;
 }
 
-/// Of an image of half the size, rounded down: whether any of a texel's block is 1.
+/// An image of half the size, rounded down: 1 where any texel of a block is.
 std::vector<uint8_t> any_of_blocks(const std::vector<uint8_t>& values, int width_px, int height_px) {
   const int width = std::max(1, width_px / 2), height = std::max(1, height_px / 2);
   std::vector<uint8_t> any(static_cast<size_t>(width) * height);
@@ -293,9 +293,9 @@ Image SetBake::finished(Image image, const char* map, const std::vector<uint8_t>
 
 /// In the order of kMapKinds, whichever map is ready first.
 void SetBake::report_seams(MapSeams seams) {
-  const auto place = [](const MapSeams& of) {
+  const auto place = [](const MapSeams& found) {
     return std::find_if(kMapKinds.begin(), kMapKinds.end(),
-                        [&](const MapKind& kind) { return kind.name == of.map; }) -
+                        [&](const MapKind& kind) { return kind.name == found.map; }) -
            kMapKinds.begin();
   };
   const std::lock_guard lock(report_mutex_);

@@ -151,9 +151,9 @@ class ErrorRender {
         factors[r] = std::max(factors[r], factor_of(light[r].relative_error()));
     const double largest = *std::max_element(factors.begin(), factors.end());
     for (size_t pixel = 0; pixel < paths.size(); ++pixel) {
-      const std::vector<int>& of = regions_.of[pixel];
-      if (of.size() == 2)
-        paths[pixel] *= std::max(factors[static_cast<size_t>(of[1])] / largest, kLeastFactor);
+      const std::vector<int>& regions = regions_.of[pixel];
+      if (regions.size() == 2)
+        paths[pixel] *= std::max(factors[static_cast<size_t>(regions[1])] / largest, kLeastFactor);
     }
   }
 

@@ -85,10 +85,10 @@ class TileRenderer {
     });
     while (next < end) {
       const PoolBlock block = PoolBlock::of(next, tile.pools.size());
-      for (int of = 0; of < (paths_.by_class ? kPixelClasses : 1); ++of) {
-        fill_pools(block, of);
+      for (int turn = 0; turn < (paths_.by_class ? kPixelClasses : 1); ++turn) {
+        fill_pools(block, turn);
         each_pixel([&](int x, int y, Vec3f* sum) {
-          if (!paths_.by_class || pixel_class(x, y) == of) trace_pixel(x, y, block, sum);
+          if (!paths_.by_class || pixel_class(x, y) == turn) trace_pixel(x, y, block, sum);
         });
       }
       next = block.end;

@@ -195,10 +195,10 @@ std::vector<float> GltfFile::floats(size_t index, size_t components) const {
   const Accessor from = accessor(index, components);
   const size_t component_bytes = size_of_component(from.type);
   std::vector<float> values(from.count * components, 0.0f);
-  const auto copy = [&](const Accessor& of, size_t element, size_t to) {
+  const auto copy = [&](const Accessor& source, size_t element, size_t to) {
     for (size_t c = 0; c < components; ++c)
-      values[to * components + c] =
-          load_float(of.data + element * of.stride + c * component_bytes, of.type, of.normalised);
+      values[to * components + c] = load_float(source.data + element * source.stride + c * component_bytes,
+                                               source.type, source.normalised);
   };
   if (from.data)
     for (size_t i = 0; i < from.count; ++i) copy(from, i, i);

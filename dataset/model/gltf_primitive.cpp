@@ -99,14 +99,14 @@ void GltfPrimitive::apply_skin(const std::vector<Affine>& joints, std::vector<Ve
     const std::string joint_name = "JOINTS_" + std::to_string(set),
                       weight_name = "WEIGHTS_" + std::to_string(set);
     if (!has(joint_name) || !has(weight_name)) break;
-    const std::vector<float> of = floats(joint_name, 4), weights = floats(weight_name, 4);
-    check_count("joints", of.size() / 4, points.size());
+    const std::vector<float> indices = floats(joint_name, 4), weights = floats(weight_name, 4);
+    check_count("joints", indices.size() / 4, points.size());
     check_count("weights", weights.size() / 4, points.size());
-    for (size_t i = 0; i < of.size(); ++i) {
+    for (size_t i = 0; i < indices.size(); ++i) {
       const double weight = weights[i];
       if (weight == 0) continue;
       if (!(weight > 0 && weight < 1e6)) fail(numbered("vertex", i / 4) + " has a weight that is none");
-      const auto joint = static_cast<size_t>(std::max(of[i], 0.0f));
+      const auto joint = static_cast<size_t>(std::max(indices[i], 0.0f));
       if (joint >= joints.size())
         fail(numbered("vertex", i / 4) + " uses joint " + std::to_string(joint) + " of " +
              std::to_string(joints.size()));

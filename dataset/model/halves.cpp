@@ -28,7 +28,7 @@ __attribute__((target("avx,f16c"))) void convert_by_eight(const float* values, s
   const __m256 least = _mm256_set1_ps(-kLargestHalf), most = _mm256_set1_ps(kLargestHalf);
   size_t i = 0;
   for (; i + 8 <= count; i += 8) {
-    // Of two operands of which one is NaN both take the second.
+    // Where one of two operands is NaN both take the second.
     const __m256 clamped = _mm256_min_ps(most, _mm256_max_ps(least, _mm256_loadu_ps(values + i)));
     _mm_storeu_si128(reinterpret_cast<__m128i*>(halves + i),
                      _mm256_cvtps_ph(clamped, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC));

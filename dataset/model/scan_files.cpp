@@ -13,7 +13,7 @@ namespace ohb {
 namespace fs = std::filesystem;
 namespace {
 
-/// Of a path that another machine wrote, at most so many last parts are looked for.
+/// So many last parts of a path that another machine wrote are looked for at most.
 constexpr size_t kMaxParts = 8;
 
 const std::vector<std::string> kPictureExtensions{".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr",  ".hdr",

@@ -151,7 +151,8 @@ class GltfReader {
     return triangles;
   }
 
-  /// Of the corners from first_corner on, whose positions are still vertices of the primitive.
+  /// Gives the corners from first_corner on their colours; their positions are still vertices of the
+  /// primitive.
   void add_colours(const std::vector<VertexColour>& colours, size_t material, uint32_t base,
                    size_t first_corner) {
     if (colours.empty()) return;

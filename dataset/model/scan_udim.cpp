@@ -44,7 +44,8 @@ fs::path file_of_tile(const ScanPicture& picture, int tile) {
   return picture.file.parent_path() / name;
 }
 
-/// Of the face's middle: a corner at u = 1 exactly belongs to the tile on either side. 0: outside all tiles.
+/// The tile that the face's middle lies in: a corner at u = 1 exactly belongs to the tile on either side. 0:
+/// outside all tiles.
 int tile_of_face(const Scan& scan, size_t face) {
   double u = 0, v = 0;
   const size_t first = scan.face_begin[face], end = scan.face_begin[face + 1];
@@ -132,11 +133,11 @@ std::string first_udim_tile(const fs::path& folder, const std::string& name) {
   return with(kFirstTile);
 }
 
-std::string with_udim_tile_of(const std::string& name, const std::string& of) {
+std::string with_udim_tile_of(const std::string& name, const std::string& other) {
   const size_t place = name.find(kPlaceholder);
-  const std::optional<size_t> tile = place == std::string::npos ? std::nullopt : tile_place(of);
+  const std::optional<size_t> tile = place == std::string::npos ? std::nullopt : tile_place(other);
   if (!tile) return name;
-  return std::string(name).replace(place, std::string(kPlaceholder).size(), of.substr(*tile, kTileDigits));
+  return std::string(name).replace(place, std::string(kPlaceholder).size(), other.substr(*tile, kTileDigits));
 }
 
 void split_udim_tiles(Scan& scan) {

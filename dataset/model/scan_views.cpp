@@ -81,12 +81,12 @@ class PictureSettler {
   }
 
   void settle(uint16_t material) {
-    ScanMaterial& of = scan_.materials[material];
+    ScanMaterial& own = scan_.materials[material];
     std::vector<ScanPicture*> pictures;
-    for (ScanPicture* picture : {&of.diffuse, &of.alpha, &of.normal})
+    for (ScanPicture* picture : {&own.diffuse, &own.alpha, &own.normal})
       if (!picture->empty()) pictures.push_back(picture);
     if (std::all_of(pictures.begin(), pictures.end(), [](auto* p) { return p->view.is_plain(); })) return;
-    for (const ScanPicture* picture : pictures) check(of, picture->view);
+    for (const ScanPicture* picture : pictures) check(own, picture->view);
     PictureView moved = pictures.front()->view;
     if (!(std::abs(determinant(moved)) > 1e-9)) moved = {};
     moved.wrap_u = moved.wrap_v = Wrap::kRepeat;

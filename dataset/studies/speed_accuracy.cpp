@@ -14,7 +14,7 @@
 namespace ohb::studies {
 namespace {
 
-// Of Cycles' early stop, and how many times the paths of the best images it may take until then.
+// Thresholds of Cycles' early stop, and how many times the paths of the best images it may take until then.
 constexpr double kAdaptiveThresholds[] = {0.1, 0.03, 0.01};
 constexpr int kAdaptiveSpp = 16;
 constexpr double kAutoTolerance = 0.02;  // the default of `render`
@@ -297,7 +297,7 @@ class Measurement {
     return references.front();
   }
 
-  /// Of the points that compute the same thing: one light, subsurface as the model has it.
+  /// Marks the front of the points that compute the same thing: one light, subsurface as the model has it.
   void mark_front() {
     const auto compares = [](const SpeedAccuracyPoint& p) {
       return p.series == "ours" || p.series == "ours, adaptive" || p.series == "Cycles" ||

@@ -100,11 +100,11 @@ StressSide render_in_cycles(const StressScene& scene, const StressSettings& sett
 }
 
 /// Empty if the means agree to `tolerance` and three standard errors.
-std::string difference(const StressSide& a, const StressSide& b, double tolerance, const char* of) {
+std::string difference(const StressSide& a, const StressSide& b, double tolerance, const char* whole) {
   if (tolerance < 0) return "";
   const double error = kStandardErrors * std::hypot(a.standard_error, b.standard_error);
   if (std::fabs(a.mean - b.mean) <= tolerance * std::fabs(b.mean) + error) return "";
-  return fmt::format("{:.5g} of {} (within {:.3g} and {:.3g} of noise)", a.mean / b.mean, of, tolerance,
+  return fmt::format("{:.5g} of {} (within {:.3g} and {:.3g} of noise)", a.mean / b.mean, whole, tolerance,
                      error / std::fabs(b.mean));
 }
 

@@ -54,8 +54,8 @@ Level half_of(const Image& image, const std::vector<uint8_t>& is_covered) {
 template <int kChannels>
 void fill_channels_from_half(Image& image, const std::vector<uint8_t>& is_covered, const Image& half) {
   const int channels = kChannels > 0 ? kChannels : image.channels;
-  const auto at = [&](const Image& of, int x, int y) {
-    return &of.values[(static_cast<size_t>(y) * of.width_px + x) * channels];
+  const auto at = [&](const Image& picture, int x, int y) {
+    return &picture.values[(static_cast<size_t>(y) * picture.width_px + x) * channels];
   };
   tbb::parallel_for(0, image.height_px, [&](int y) {
     const int y0 = y / 2, y1 = std::clamp(y0 + (y % 2 ? 1 : -1), 0, half.height_px - 1);

@@ -60,7 +60,7 @@ bool TexelTriangle::touches_box(TexelPoint p, double half_size) const {
   if (p.x + half_size < low.x || p.x - half_size > high.x || p.y + half_size < low.y ||
       p.y - half_size > high.y)
     return false;
-  // Of a degenerate triangle the edges run both ways along one line, so this holds for it too.
+  // The edges of a degenerate triangle run both ways along one line, so this holds for it too.
   return !edge[0].is_box_outside(p, half_size) && !edge[1].is_box_outside(p, half_size) &&
          !edge[2].is_box_outside(p, half_size);
 }
