@@ -121,7 +121,8 @@ class Session:
         elif "changed" in answer:
             self._have = self._asked
             self.answers += 1
-            self.status = "%d strokes, %.2f s" % (len(self._have), answer.get("seconds", 0))
+            self.status = "%d stroke%s, %.2f s" % (len(self._have), "" if len(self._have) == 1 else "s",
+                                                   answer.get("seconds", 0))
             self._paint(answer)
 
     def _take_mesh(self, scene, answer):

@@ -33,9 +33,11 @@ class Overlay:
 
     def _shaded(self, color):
         if color not in self._whole:
-            r, g, b = color
             shades = [0.35 + 0.9 * value for value in self._brightness]
-            self._whole[color] = array("f", [c for s in shades for c in (r * s, g * s, b * s, 1.0)])
+            whole = array("f", [1.0]) * (4 * len(shades))
+            for c, value in enumerate(color):
+                whole[c::4] = array("f", [value * shade for shade in shades])
+            self._whole[color] = whole
         return self._whole[color]
 
     def paint(self, runs, show):

@@ -102,16 +102,63 @@ class HM_OT_label_look(ScanOperator):
     garment: StringProperty(description="Empty: the place of the next stroke")
 
     def run(self, context):
+        found = self.place(context)
+        if context.region_data is not None:
+            set_view(context.region_data, self.goal(context, found))
+        return "Now %s; %s?" % (found["now"], found["rival"])
+
+    def place(self, context):
+        """The answer's entry. Raises InputError if there is none."""
         session = label_paint.ready_session(context)
         found = (next((q for q in session.questions if q["id"] == self.garment), None) if self.garment
                  else session.suggested)
         if found is None:
             raise InputError("", "", "no place is in doubt", "save")
-        place, view = context.object.matrix_world @ Vector(found["at"]), context.region_data
-        if view is not None:
-            normal = context.object.matrix_world.to_3x3() @ face_normal(session.scan, found["face"])
-            look_at(view, place, normal, 0.6 if self.garment else 0.35)
-        return "Now %s; %s?" % (found["now"], found["rival"])
+        return found
+
+    def goal(self, context, found):
+        item, session = context.object, label_paint.ready_session(context)
+        normal = item.matrix_world.to_3x3() @ face_normal(session.scan, found["face"])
+        return view_of(context.region_data, item.matrix_world @ Vector(found["at"]), normal,
+                       0.6 if self.garment else 0.35)
+
+    def invoke(self, context, event):
+        if context.region_data is None:
+            return self.execute(context)
+        try:
+            found = self.place(context)
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        view = context.region_data
+        self.start = view.view_location.copy(), view.view_rotation.copy(), view.view_distance
+        self.end, self.step = self.goal(context, found), 0
+        self.timer = context.window_manager.event_timer_add(0.02, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        self.report({"INFO"}, "Now %s; %s?" % (found["now"], found["rival"]))
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        """The view flies: so the artist sees where to."""
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        self.step += 1
+        if context.region_data is None or self.step > FLIGHT:   # the area has gone
+            context.window_manager.event_timer_remove(self.timer)
+            return {"FINISHED"}
+        t = self.step / FLIGHT
+        t = t * t * (3 - 2 * t)
+        (a, turned, near), (b, goal, far) = self.start, self.end
+        set_view(context.region_data, (a.lerp(b, t), turned.slerp(goal, t), near + t * (far - near)))
+        return {"PASS_THROUGH"}
+
+
+FLIGHT = 15   # steps
+
+
+def set_view(view, goal):
+    view.view_location, view.view_rotation, view.view_distance = goal
+    view.update()
 
 
 def face_normal(scan, face):
@@ -124,14 +171,11 @@ def face_normal(scan, face):
     return total.normalized()
 
 
-def look_at(view, place, normal, distance_m):
-    """The view goes there, mostly from where the surface faces; upright."""
+def view_of(view, place, normal, distance_m):
+    """(location, rotation, distance) of a view of a place, mostly from where the surface faces; upright."""
     flat = Vector((normal.x, normal.y, min(max(normal.z, -0.5), 0.5)))
-    if flat.length > 1e-6:
-        view.view_rotation = flat.to_track_quat("Z", "Y") if abs(flat.z) > 0.99 else upright(flat.normalized())
-    view.view_location = place
-    view.view_distance = distance_m
-    view.update()
+    rotation = upright(flat.normalized()) if flat.xy.length > 1e-3 else view.view_rotation.copy()
+    return place, rotation, distance_m
 
 
 def upright(back):

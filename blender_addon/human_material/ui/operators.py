@@ -121,6 +121,33 @@ class HM_OT_set_environment(DroppableOperator):
         return "Lit by %s" % image.name
 
 
+class HM_OT_rotate_light(bpy.types.Operator):
+    """Turn the environment by dragging the pointer to the side. A click takes it, Esc leaves it"""
+    bl_idname = "hm.rotate_light"
+    bl_label = "Drag to Rotate"
+    bl_options = {"REGISTER", "UNDO", "BLOCKING", "GRAB_CURSOR"}
+    DEG_PER_PX = 0.5
+
+    @classmethod
+    def poll(cls, context):
+        return environment.has_world(context.scene)
+
+    def invoke(self, context, event):
+        self.start_x, self.start_deg = event.mouse_x, context.scene.hm.rotation_deg
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type == "MOUSEMOVE":
+            context.scene.hm.rotation_deg = self.start_deg + self.DEG_PER_PX * (event.mouse_x - self.start_x)
+        elif event.type in {"ESC", "RIGHTMOUSE"}:
+            context.scene.hm.rotation_deg = self.start_deg
+            return {"CANCELLED"}
+        elif event.type in {"LEFTMOUSE", "RET"} and event.value == "PRESS":
+            return {"FINISHED"}
+        return {"RUNNING_MODAL"}
+
+
 class HM_OT_add_point_light(Operator):
     """Add a point light of no size at the given position"""
     bl_idname = "hm.add_point_light"
@@ -250,6 +277,6 @@ class HM_OT_overwrite_picture(bpy.types.Operator):
         return bpy.ops.hm.render_picture("EXEC_DEFAULT", filepath=self.filepath, overwrite=True)
 
 
-CLASSES = (HM_OT_import_maps, HM_OT_match_camera, HM_OT_set_environment, HM_OT_add_point_light,
+CLASSES = (HM_OT_import_maps, HM_OT_match_camera, HM_OT_set_environment, HM_OT_rotate_light, HM_OT_add_point_light,
            HM_OT_apply_preset, HM_OT_reset_edit, HM_OT_prepare_render, HM_OT_render_picture,
            HM_OT_overwrite_picture)

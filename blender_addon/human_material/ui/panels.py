@@ -53,6 +53,7 @@ class HM_PT_light(Panel, bpy.types.Panel):
                 layout.label(text="%s is missing" % image.name, icon="ERROR")
         column = layout.column()
         column.prop(settings, "rotation_deg", text="Rotation (°)")
+        column.operator("hm.rotate_light", icon="FILE_REFRESH")
         column.prop(settings, "strength")
         column.prop(settings, "show_background", text="Visible")
         column = layout.column()

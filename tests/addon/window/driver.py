@@ -79,7 +79,7 @@ class Window:
         self.button("RELEASE")
         yield
 
-    def wait(self, until, what, timeout_s=120):
+    def wait(self, until, what, timeout_s=300):
         end = time.monotonic() + timeout_s
         while not until():
             if time.monotonic() > end:

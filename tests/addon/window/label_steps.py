@@ -89,7 +89,8 @@ class Labeller:
         item = self.session.item
         normal = item.matrix_world.to_3x3() @ label_operators.face_normal(self.session.scan, face)
         world = item.matrix_world @ Vector(self.session.scan.centre(face))
-        label_operators.look_at(self.window.view(), world, normal, 0.5)
+        view = self.window.view()
+        label_operators.set_view(view, label_operators.view_of(view, world, normal, 0.5))
         self.window.area.tag_redraw()
 
     def is_seen(self, face):
@@ -224,6 +225,15 @@ def views(window, session, labeller):
         bpy.ops.view3d.view_selected()
     settings.show = "CLASSES"
     yield from window.picture("3_front_classes")
+    before = window.view().view_location.copy()
+    if session.suggested:
+        with window.override():
+            bpy.ops.hm.label_look("INVOKE_DEFAULT")
+        yield from window.wait(lambda: abs(window.view().view_distance - 0.35) < 1e-4, "the flight", 60)
+        assert (window.view().view_location - before).length > 1e-3
+        with window.override():
+            bpy.ops.view3d.view_axis(type="FRONT")
+            bpy.ops.view3d.view_selected()
     settings.show = "DOUBT"
     yield from window.picture("4_front_doubt")
     settings.show = "PICTURE"

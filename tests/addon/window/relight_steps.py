@@ -63,6 +63,19 @@ def relit(window, folder, sky):
     turned = environment.world_nodes(bpy.context.scene)[environment.MAPPING].inputs["Rotation"].default_value[2]
     assert abs(turned) > 0.1, turned   # the world follows the keys
     yield from window.picture("1_imported")
+    window.move(300, 300)
+    yield
+    with window.override():
+        bpy.ops.hm.rotate_light("INVOKE_DEFAULT")
+    yield
+    window.move(340, 300)
+    yield
+    window.move(380, 300)
+    yield
+    assert abs(bpy.context.scene.hm.rotation_deg - 50) > 5, bpy.context.scene.hm.rotation_deg   # dragged
+    window.key("ESC")
+    yield
+    assert abs(bpy.context.scene.hm.rotation_deg - 50) < 0.01, bpy.context.scene.hm.rotation_deg   # and left
     return item, photo
 
 
@@ -106,7 +119,7 @@ def steps(window, folder, sky):
     with window.override():
         bpy.ops.hm.prepare_render("EXEC_DEFAULT", plain_view=True)
         bpy.ops.hm.render_picture("EXEC_DEFAULT", filepath=os.path.join(folder, "relit.png"))
-    yield from window.wait(lambda: os.path.exists(os.path.join(folder, "relit.png")), "the picture")
+    yield from window.wait(lambda: os.path.exists(os.path.join(folder, "relit.png")), "the picture", 600)
     with window.override():
         bpy.ops.hm.export_maps("EXEC_DEFAULT", directory=folder, folder_name="edited")
         bpy.ops.hm.export_glb("EXEC_DEFAULT", filepath=os.path.join(folder, "person.glb"))
