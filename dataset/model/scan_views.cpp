@@ -93,7 +93,7 @@ class PictureSettler {
     if (!is_identity(moved)) {
       move_uvs(material, moved);
       see_through(pictures, inverse(moved));
-      scan_.notes.push_back("material '" + of.name + "': its texture transform is applied to the UVs");
+      scan_.notes.push_back("material '" + own.name + "': its texture transform is applied to the UVs");
     }
     PictureView to_tiles;  // of UVs in [0,1]
     domain_along(material, pictures, 0, to_tiles.uu, to_tiles.u0);
@@ -101,7 +101,7 @@ class PictureSettler {
     if (!is_identity(to_tiles)) {
       move_uvs(material, inverse(to_tiles));
       see_through(pictures, to_tiles);
-      scan_.notes.push_back("material '" + of.name + "': mirrored or clamped beyond its picture's borders");
+      scan_.notes.push_back("material '" + own.name + "': mirrored or clamped beyond its picture's borders");
     }
     for (ScanPicture* picture : pictures)
       if (is_identity(picture->view)) picture->view = {};
