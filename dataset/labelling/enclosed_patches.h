@@ -1,5 +1,5 @@
-// Small patches that are of another part than all that surrounds them, and should not be: palms and lips amid
-// skin, soles of the colour of skin under shoes.
+// Small patches that are of another part or class than all that surrounds them, and should not be: palms and
+// lips amid skin, soles of the colour of skin under shoes, bits of a garment.
 #pragma once
 
 #include <vector>
@@ -18,5 +18,16 @@ struct PartChange {
 /// by cloth, lower than the middle of a bare foot, is a sole.
 std::vector<PartChange> enclosed_patches(const FaceFeatures& features, const BodyFrame& frame,
                                          const std::vector<uint8_t>& part);
+
+struct LabelChange {
+  uint32_t face;
+  uint8_t material_class;
+};
+
+/// `face_class`: of each face. A connected patch of fabric, leather or hair below 1 % of the area, of which
+/// no face is told, takes the class of the fabric or leather that surrounds it (bits of hair and of other
+/// cloth on a garment are rarer than mistakes).
+std::vector<LabelChange> enclosed_labels(const FaceFeatures& features, const std::vector<uint8_t>& face_class,
+                                         const std::vector<bool>& is_told);
 
 }  // namespace ohb::labelling

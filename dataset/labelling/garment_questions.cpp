@@ -74,9 +74,12 @@ void follow_look_alikes(const Garments& garments, const std::vector<uint8_t>& to
   }
 }
 
-/// The area that an answer may be expected to mend.
+/// The area that an answer may be expected to mend. Leather is the rarer guess, and rests on colour.
 double worth_cm2(const GarmentQuestion& question) {
-  return (1 - question.probability) * question.area_cm2;
+  constexpr float kSurestLeather = 0.9f;
+  const float sure =
+      question.now == kLeather ? std::min(question.probability, kSurestLeather) : question.probability;
+  return (1 - sure) * question.area_cm2;
 }
 
 }  // namespace
@@ -105,6 +108,10 @@ void hear_strokes(const FaceFeatures& features, double unit_cm, const Garments& 
   follow_look_alikes(garments, told, classes);
 }
 
+bool is_told(float probability) {
+  return probability >= kTold - 1e-4f;
+}
+
 bool is_asked(const std::vector<GarmentQuestion>& questions, uint32_t garment) {
   return std::any_of(questions.begin(), questions.end(),
                      [&](const GarmentQuestion& question) { return question.garment == garment; });
@@ -127,11 +134,11 @@ std::vector<GarmentQuestion> open_questions(const Garments& garments,
     question.probability = classes[g][order[0]];
     question.area_cm2 = garments.garments[g].area_cm2;
     question.face = garments.garments[g].face;
-    const bool is_told = question.probability >= kTold - 1e-4f;
-    const bool is_large_guess =
-        question.probability < kSure && question.area_cm2 > kLargeGuess * garments.all_cm2;
+    const bool is_large_guess = question.probability < kSure &&
+                                question.area_cm2 > kLargeGuess * garments.all_cm2 &&
+                                !garments.garments[g].is_on_head;
     const bool is_worth_it = worth_cm2(question) > kWorthAsking * garments.all_cm2;
-    if (!is_told && (is_large_guess || is_worth_it)) questions.push_back(question);
+    if (!is_told(question.probability) && (is_large_guess || is_worth_it)) questions.push_back(question);
   }
   std::stable_sort(questions.begin(), questions.end(),
                    [](const auto& l, const auto& r) { return worth_cm2(l) > worth_cm2(r); });

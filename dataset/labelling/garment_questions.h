@@ -37,6 +37,8 @@ std::vector<GarmentQuestion> open_questions(const Garments& garments,
 void say_as_labelled(const FaceGraph& graph, const Garments& garments,
                      const std::vector<ClassValues>& classes, const std::vector<uint8_t>& face_class,
                      std::vector<GarmentQuestion>& questions);
+/// Whether a stroke named a garment's class, by the class's probability.
+bool is_told(float probability);
 constexpr float kWorthAsking = 0.01f, kLargeGuess = 0.06f;
 bool is_asked(const std::vector<GarmentQuestion>& questions, uint32_t garment);
 

@@ -21,6 +21,7 @@ struct Part {
   float area_cm2 = 0, height = 0, low = 1, high = 0;  // heights: shares of the person's
   Appearance look = Appearance::Zero();
   uint8_t part = kFabric;
+  bool is_on_head = false;  // and not reaching below it
 };
 
 Place place_of(const Part& part, const BodyFrame& frame) {
@@ -35,7 +36,7 @@ std::string name_of(const Part& part, const BodyFrame& frame) {
     case Place::kFeet:
       return "shoes";
     case Place::kHead:
-      return "headwear";
+      return part.part == kFabric ? "headwear" : "head";
     case Place::kLegs:
       if (part.high < 0.3f) return "socks";
       if (part.high > 0.7f) return "dress";
@@ -74,18 +75,34 @@ Appearance look_around(const FaceFeatures& features, size_t f) {
   return Appearance(lab.x, lab.y, lab.z, features.appearance[f][3]);
 }
 
-/// Whether a face of skin or hair may be a garment's: heads wear none of their colour.
+/// Skin and hair of the head are apart from what lies below.
 bool is_below_head(Vec3f at, uint8_t part, const BodyFrame& frame) {
   constexpr float kNeck_heads = 0.15f;
-  return frame.is_whole && at.y < frame.chin_cm - (part == kSkin ? kNeck_heads * frame.head_cm : 0);
+  return at.y < frame.chin_cm - (part == kSkin ? kNeck_heads * frame.head_cm : 0);
 }
 
+/// Skin that holds a part of the face is no headwear.
+bool holds_face(const FaceFeatures& features, const BodyFrame& frame, const std::vector<uint8_t>& part,
+                const std::vector<uint32_t>& faces) {
+  constexpr float kOfFace = 0.1f;  // of the face's skin
+  float all = 0, own = 0;
+  for (uint32_t f = 0; f < features.size(); ++f)
+    if (part[f] == kSkin && is_face_front(features.graph, frame, f)) all += features.graph.area_cm2[f];
+  for (uint32_t f : faces)
+    if (is_face_front(features.graph, frame, f)) own += features.graph.area_cm2[f];
+  return own > kOfFace * all;
+}
+
+/// Of clothes all over the body; of skin and hair on the head, or below it.
 std::vector<Part> connected_parts(const FaceFeatures& features, const std::vector<float>& likeness,
-                                  const BodyFrame& frame, const std::vector<uint8_t>& part, uint8_t own) {
+                                  const BodyFrame& frame, const std::vector<uint8_t>& part,
+                                  std::pair<uint8_t, bool> own_and_head) {
+  const auto [own, is_on_head] = own_and_head;
   std::vector<bool> is_in;
   for (size_t f = 0; f < part.size(); ++f)
     is_in.push_back(part[f] == own &&
-                    (own == kFabric || is_below_head(features.graph.centre_cm[f], own, frame)));
+                    (own == kFabric || (frame.is_whole && is_below_head(features.graph.centre_cm[f], own,
+                                                                        frame) != is_on_head)));
   std::vector<Appearance> look(features.size());
   float area = 0;
   for (size_t f = 0; f < look.size(); ++f) {
@@ -102,7 +119,9 @@ std::vector<Part> connected_parts(const FaceFeatures& features, const std::vecto
   for (auto& [region, of] : parts) {
     measure(features, frame, of);
     of.part = own;
-    if (own == kFabric || of.area_cm2 > kCrumb_share * area) all.push_back(std::move(of));
+    of.is_on_head = own == kFabric ? place_of(of, frame) == Place::kHead : is_on_head;
+    const bool is_face = own == kSkin && is_on_head && holds_face(features, frame, part, of.faces);
+    if (own == kFabric || (of.area_cm2 > kCrumb_share * area && !is_face)) all.push_back(std::move(of));
   }
   return all;
 }
@@ -135,7 +154,8 @@ std::vector<size_t> join_parts(const std::vector<Part>& parts, const BodyFrame& 
     joined[i] = i;
     for (size_t j = 0; j < i && joined[i] == i; ++j) {
       const Place place = place_of(parts[i], frame);
-      if (joined[j] == j && parts[i].part == parts[j].part && place == place_of(parts[j], frame) &&
+      if (joined[j] == j && parts[i].part == parts[j].part && parts[i].is_on_head == parts[j].is_on_head &&
+          place == place_of(parts[j], frame) &&
           (parts[i].height < kShoe_share || look_difference(parts[i].look, parts[j].look) < kAlike))
         joined[i] = j;
     }
@@ -172,7 +192,11 @@ uint32_t middle_of(const FaceGraph& graph, const std::vector<uint32_t>& faces) {
 Garments find_garments(const FaceFeatures& features, const std::vector<float>& likeness,
                        const BodyFrame& frame, const std::vector<uint8_t>& part) {
   std::vector<Part> parts;
-  for (uint8_t own : {kSkin, kHair, kFabric})
+  for (std::pair<uint8_t, bool> own : {std::pair<uint8_t, bool>(kSkin, false),
+                                       {kHair, false},
+                                       {kFabric, false},
+                                       {kSkin, true},
+                                       {kHair, true}})
     for (Part& of : connected_parts(features, likeness, frame, part, own)) parts.push_back(std::move(of));
   std::stable_sort(parts.begin(), parts.end(),
                    [](const Part& l, const Part& r) { return l.area_cm2 > r.area_cm2; });
@@ -185,6 +209,7 @@ Garments find_garments(const FaceFeatures& features, const std::vector<float>& l
     if (!whole[i].faces.empty()) {
       measure(features, frame, whole[i]);
       whole[i].part = parts[i].part;
+      whole[i].is_on_head = parts[i].is_on_head;
       order.push_back(i);
     }
   std::stable_sort(order.begin(), order.end(),
@@ -201,6 +226,7 @@ Garments find_garments(const FaceFeatures& features, const std::vector<float>& l
     garment.area_cm2 = whole[i].area_cm2;
     garment.look = whole[i].look;
     garment.part = whole[i].part;
+    garment.is_on_head = whole[i].is_on_head;
     garment.is_shoe = place_of(whole[i], frame) == Place::kFeet;
     garment.face = middle_of(features.graph, parts[i].faces);
     for (uint32_t f : whole[i].faces) found.of_face[f] = static_cast<uint32_t>(found.garments.size());

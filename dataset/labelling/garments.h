@@ -1,6 +1,6 @@
 // The garments of a scan: pieces of the surface of one look, told apart by colour, creases and place, also on
 // one closed surface. Whether one is fabric or leather holds for the whole of it, and colour cannot say. So
-// are pieces of bare skin and of hair below the head, which may be garments of that colour.
+// are pieces of bare skin and of hair, which may be garments of that colour; on the head all but the face.
 #pragma once
 
 #include <string>
@@ -16,7 +16,7 @@ struct Garment {
   uint32_t face = 0;  // in the middle of its largest connected part
   Appearance look = Appearance::Zero();
   float variation = 0;  // mean look_difference of its faces
-  bool is_shoe = false;
+  bool is_shoe = false, is_on_head = false;
   uint8_t part = kFabric;  // what it was found as: kSkin, kHair, or kFabric for a garment
 };
 
@@ -25,7 +25,7 @@ struct Garments {
   std::vector<Garment> garments;  // largest first
   double all_cm2 = 0;             // of the whole scan
   std::vector<uint32_t>
-      of_face;  // index of each face's garment; kNone for the head and crumbs of skin and hair
+      of_face;  // index of each face's garment; kNone for the face and crumbs of skin and hair
 };
 
 /// `part`: of each face kSkin, kHair or kFabric (a garment). Faces of one part are merged to regions while
@@ -33,7 +33,8 @@ struct Garments {
 /// (Koepfler, Lopez and Morel, "A multiscale algorithm for image segmentation by variational method", SIAM J.
 /// Numer. Anal. 1994), looks in units of kLookWidth, the border shorter along creases and edges of colour;
 /// crumbs go to the neighbour that is most like them; then both shoes, both legs and what else lies at one
-/// height and looks alike is one garment, and faces of small ones that look like a large one are its.
+/// height and looks alike is one garment, and faces of small ones that look like a large one are its. Skin
+/// and hair on the head are pieces of their own, without the skin that holds the face.
 Garments find_garments(const FaceFeatures& features, const std::vector<float>& likeness,
                        const BodyFrame& frame, const std::vector<uint8_t>& part);
 constexpr float kSeparate_cm = 1.5f;

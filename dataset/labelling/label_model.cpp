@@ -41,6 +41,26 @@ Json json_of(const std::array<float, N>& weights, const std::array<const char*, 
   return json;
 }
 
+constexpr std::array<const char*, kPartCount> kPartNames = {"skin", "hair", "garment"};
+
+Calibration calibration_at(const Json& json, const char* name, const std::filesystem::path& file) {
+  const std::string place = std::string("calibration of ") + name;
+  if (!json.is_object() || !json.contains(name) || !json[name].is_array() || json[name].empty())
+    throw model_error(file, place, "is no list");
+  Calibration found;
+  for (const Json& knot : json[name]) {
+    found.lead.push_back(number_at(knot, "lead", file));
+    found.right.push_back(number_at(knot, "right", file));
+  }
+  for (size_t i = 0; i < found.lead.size(); ++i) {
+    const bool ascends =
+        i == 0 || (found.lead[i] > found.lead[i - 1] && found.right[i] >= found.right[i - 1]);
+    if (!ascends || found.right[i] < 0 || found.right[i] > 1)
+      throw model_error(file, place, "does not ascend within [0,1]");
+  }
+  return found;
+}
+
 }  // namespace
 
 PartValues part_probability(const LabelModel& model, const Cues& cues) {
@@ -54,14 +74,15 @@ PartValues part_probability(const LabelModel& model, const Cues& cues) {
   return p;
 }
 
-float calibrated(const LabelModel& model, float lead) {
-  if (model.lead.empty()) return 1 / (1 + std::exp(-lead));
-  const auto above = std::upper_bound(model.lead.begin(), model.lead.end(), lead);
-  if (above == model.lead.begin()) return model.right.front();
-  if (above == model.lead.end()) return model.right.back();
-  const size_t i = static_cast<size_t>(above - model.lead.begin());
-  const float t = (lead - model.lead[i - 1]) / (model.lead[i] - model.lead[i - 1]);
-  return model.right[i - 1] + t * (model.right[i] - model.right[i - 1]);
+float calibrated(const Calibration& calibration, float lead) {
+  const std::vector<float>&leads = calibration.lead, &right = calibration.right;
+  if (leads.empty()) return 1 / (1 + std::exp(-lead));
+  const auto above = std::upper_bound(leads.begin(), leads.end(), lead);
+  if (above == leads.begin()) return right.front();
+  if (above == leads.end()) return right.back();
+  const size_t i = static_cast<size_t>(above - leads.begin());
+  const float t = (lead - leads[i - 1]) / (leads[i] - leads[i - 1]);
+  return right[i - 1] + t * (right[i] - right[i - 1]);
 }
 
 LabelModel read_label_model(const std::filesystem::path& file) {
@@ -72,19 +93,11 @@ LabelModel read_label_model(const std::filesystem::path& file) {
   model.part_weights[kHair] = weights_at(json, "hair", kCueNames, file);
   model.pieces.bare = weights_at(json, "bare", kBareCueNames, file);
   model.pieces.hanging = weights_at(json, "hanging", kHangingCueNames, file);
+  model.pieces.head = weights_at(json, "head", kHeadCueNames, file);
   model.pieces.leather = weights_at(json, "leather", kLeatherCueNames, file);
-  if (!json.contains("calibration") || !json["calibration"].is_array() || json["calibration"].empty())
-    throw model_error(file, "calibration", "is no list");
-  for (const Json& knot : json["calibration"]) {
-    model.lead.push_back(number_at(knot, "lead", file));
-    model.right.push_back(number_at(knot, "right", file));
-  }
-  for (size_t i = 0; i < model.lead.size(); ++i) {
-    const bool ascends =
-        i == 0 || (model.lead[i] > model.lead[i - 1] && model.right[i] >= model.right[i - 1]);
-    if (!ascends || model.right[i] < 0 || model.right[i] > 1)
-      throw model_error(file, "calibration", "does not ascend within [0,1]");
-  }
+  const Json calibration = json.value("calibration", Json::object());
+  for (int k = 0; k < kPartCount; ++k)
+    model.calibration[k] = calibration_at(calibration, kPartNames[k], file);
   return model;
 }
 
@@ -94,11 +107,15 @@ std::string label_model_json(const LabelModel& model) {
   json["hair"] = json_of(model.part_weights[kHair], kCueNames);
   json["bare"] = json_of(model.pieces.bare, kBareCueNames);
   json["hanging"] = json_of(model.pieces.hanging, kHangingCueNames);
+  json["head"] = json_of(model.pieces.head, kHeadCueNames);
   json["leather"] = json_of(model.pieces.leather, kLeatherCueNames);
-  json["calibration"] = Json::array();
-  for (size_t i = 0; i < model.lead.size(); ++i)
-    json["calibration"].push_back({{"lead", std::round(model.lead[i] * 1e3f) / 1e3},
-                                   {"right", std::round(model.right[i] * 1e4f) / 1e4}});
+  for (int k = 0; k < kPartCount; ++k) {
+    Json& knots = json["calibration"][kPartNames[k]] = Json::array();
+    const Calibration& stored = model.calibration[k];
+    for (size_t i = 0; i < stored.lead.size(); ++i)
+      knots.push_back({{"lead", std::round(stored.lead[i] * 1e3f) / 1e3},
+                       {"right", std::round(stored.right[i] * 1e4f) / 1e4}});
+  }
   return json_text(json, 2) + "\n";
 }
 

@@ -16,19 +16,23 @@ namespace ohb::labelling {
 constexpr int kPartCount = 3, kGarment = 2;
 using PartValues = std::array<float, kPartCount>;
 
+/// How often labels are right by how much they lead: piecewise linear over the leads (log odds).
+struct Calibration {
+  std::vector<float> lead, right;
+};
+
 struct LabelModel {
   /// log p(part) = weights . cues + constant; the garment's are 0.
   std::array<Cues, kPartCount - 1> part_weights{};
   PieceWeights pieces;
   /// Of garments, shoes apart, that are leather among people like this one: stated, not learned.
   float leather_share = kLeatherShare;
-  /// How often labels are right by how much they lead: piecewise linear over the leads (log odds).
-  std::vector<float> lead, right;
+  std::array<Calibration, kPartCount> calibration;  // of labels of skin, hair and garments
 };
 
 PartValues part_probability(const LabelModel& model, const Cues& cues);
 /// Of a label that leads by `lead` (log odds against all other parts): the probability that it is right.
-float calibrated(const LabelModel& model, float lead);
+float calibrated(const Calibration& calibration, float lead);
 
 /// Throws InputError: missing, not JSON, cues that are not these, numbers that are not finite, a calibration
 /// that does not ascend or leaves [0,1].

@@ -105,8 +105,19 @@ std::vector<ClassValues> Labeller::start_of_faces(const std::vector<ClassValues>
   return start;
 }
 
-/// A face is right if its part is, by its own costs and by its piece, and the garment is what it is said to
-/// be.
+/// The faces that strokes name, and those of a garment that was told what it is, of that class.
+std::vector<bool> Labeller::told_faces(const std::vector<ClassValues>& classes,
+                                       const StrokedFaces& stroked) const {
+  std::vector<bool> told(features_.size(), false);
+  for (size_t f = 0; f < told.size(); ++f) {
+    const uint32_t g = garments_.of_face[f];
+    told[f] = g != Garments::kNone && is_told(classes[g][face_class_[f]]);
+  }
+  for (uint32_t f : stroked.face) told[f] = true;
+  return told;
+}
+
+/// A face is right if its piece is what it is said to be, and the face is of the piece, by its own costs.
 void Labeller::trust_garments(const std::vector<ClassValues>& classes, Labelling& labels) const {
   for (size_t f = 0; f < labels.confidence.size(); ++f) {
     const uint8_t c = labels.face_class[f];
@@ -114,7 +125,7 @@ void Labeller::trust_garments(const std::vector<ClassValues>& classes, Labelling
     const ClassValues& of = g == Garments::kNone ? kElsewhere : classes[g];
     const float garment = of[kFabric] + of[kLeather];
     const float claim = c < kFabric ? of[c] : garment;
-    if (claim > 0.5f) labels.confidence[f] = std::min(labels.confidence[f], claim);
+    if (claim > 0.5f && g != Garments::kNone) labels.confidence[f] *= claim;
     if (c >= kFabric) labels.confidence[f] *= of[c] / std::max(garment, 1e-6f);
   }
 }
@@ -247,10 +258,15 @@ Labelling Labeller::solve(const std::vector<Stroke>& strokes) {
     for (const ClassValues& cost : energy.cost)
       face_class_.push_back(static_cast<uint8_t>(std::min_element(cost.begin(), cost.end()) - cost.begin()));
   minimise(energy, face_class_, strokes.empty() ? uint8_t{kSkin} : uint8_t{strokes.back().material_class});
+  const std::vector<uint8_t> least = face_class_;  // where the next call starts
+  for (const LabelChange& change : enclosed_labels(features_, face_class_, told_faces(classes, stroked)))
+    face_class_[change.face] = change.material_class;
   Labelling result;
   result.face_class = face_class_;
   result.lead = leads_of(energy, features_.graph.area_cm2, face_class_);
-  for (float lead : result.lead) result.confidence.push_back(calibrated(model_, lead));
+  for (size_t f = 0; f < result.lead.size(); ++f)
+    result.confidence.push_back(
+        calibrated(model_.calibration[std::min<int>(face_class_[f], kGarment)], result.lead[f]));
   trust_garments(classes, result);
   for (uint32_t f : stroked.face) result.confidence[f] = 1;
   result.questions = open_questions(garments_, classes);
@@ -260,6 +276,7 @@ Labelling Labeller::solve(const std::vector<Stroke>& strokes) {
                                  is_asked(result.questions, garments_.of_face[f]));
   for (uint32_t f : stroked.face) result.is_in_doubt[f] = false;
   result.suggested = suggest_stroke(features_.graph, energy, face_class_, result.confidence);
+  face_class_ = least;
   result.warnings = stroked.warnings;
   return result;
 }

@@ -67,6 +67,7 @@ class Labeller {
   void find_parts();
   void take_patches_for_what_surrounds_them(std::vector<uint8_t>& part);
   std::vector<ClassValues> start_of_faces(const std::vector<ClassValues>& classes) const;
+  std::vector<bool> told_faces(const std::vector<ClassValues>& classes, const StrokedFaces& stroked) const;
   void trust_garments(const std::vector<ClassValues>& classes, Labelling& labels) const;
   std::vector<ClassValues> revised_start(const std::vector<ClassValues>& first,
                                          const std::vector<Stroke>& strokes);

@@ -12,9 +12,10 @@ namespace ohb::labelling {
 
 /// One question of fact about a piece; nothing if it does not arise.
 struct PieceCues {
-  bool may_be_hair = false;  // it was found as hair, or touches hair
+  bool may_be_hair = false;  // it was found as hair, touches hair, or lies on the head
   BareCues bare{};           // of what was found as skin
-  HangingCues hanging{};     // where it may be hair
+  HangingCues hanging{};     // where it may be hair, below the head
+  HeadCues head{};           // where it may be hair, on the head
   LeatherCues leather{};     // if it is a garment
 };
 

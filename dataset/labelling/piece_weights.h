@@ -8,14 +8,18 @@
 
 namespace ohb::labelling {
 
-using BareCues = std::array<float, 4>;
+using BareCues = std::array<float, 5>;
 using HangingCues = std::array<float, 5>;
-using LeatherCues = std::array<float, 6>;
+using HeadCues = std::array<float, 7>;
+using LeatherCues = std::array<float, 8>;
 /// In the order of the cues; the weights are stored by these names.
-constexpr std::array<const char*, 4> kBareCueNames = {"one", "lightness", "hue", "texture"};
+constexpr std::array<const char*, 5> kBareCueNames = {"one", "lightness", "hue", "texture", "above"};
 constexpr std::array<const char*, 5> kHangingCueNames = {"one", "found", "look", "behind", "area"};
-constexpr std::array<const char*, 6> kLeatherCueNames = {"one",     "light", "chroma",
-                                                         "texture", "print", "brown"};
+constexpr std::array<const char*, 7> kHeadCueNames = {"one",     "found", "chroma", "light",
+                                                      "texture", "above", "folded"};
+/// The squares: leather is often very dark or very bright, and its grain neither smooth nor coarse.
+constexpr std::array<const char*, 8> kLeatherCueNames = {"one",   "light", "chroma",       "texture",
+                                                         "print", "brown", "light_square", "texture_square"};
 
 /// How many garments, shoes apart, are leather where nothing else is stated: one in twenty.
 constexpr float kLeatherShare = 0.05f;
@@ -24,7 +28,8 @@ constexpr float kLeatherShoes = 2.0f / 3;
 
 struct PieceWeights {
   BareCues bare{};        // log odds of skin against cloth
-  HangingCues hanging{};  // of hair against a garment
+  HangingCues hanging{};  // of hair against a garment, below the head
+  HeadCues head{};        // of hair against a hat, on the head
   LeatherCues leather{};  // of leather against fabric, where both are as common
 };
 

@@ -17,6 +17,9 @@ namespace {
 
 constexpr float kLeastChange = 2e-4f;
 constexpr int kMaxIterations = 2000;
+/// Of a node's pairs. What nothing holds, such as faces without area, is singular to a float, and its
+/// rounding errors would reach every other node.
+constexpr float kLeastHold = 1e-4f;
 constexpr size_t kGroupsAtOnce = 128;  // sums are over these, in order: the same for any number of threads
 constexpr int kJoins = 6;              // up to 2^6 nodes are a group
 
@@ -199,6 +202,10 @@ RandomWalker::RandomWalker(size_t nodes, const std::vector<EnergyPair>& conducta
                            std::vector<float> restart)
     : matrices_(std::make_unique<Matrices>()) {
   Matrices& m = *matrices_;
+  std::vector<float> pairs(nodes, 0);
+  for (const EnergyPair& pair : conductance)
+    for (uint32_t node : {pair.a, pair.b}) pairs[node] += pair.weight;
+  for (size_t n = 0; n < nodes; ++n) restart[n] = std::max(restart[n], kLeastHold * pairs[n]);
   uint32_t groups = 0;
   const std::vector<uint32_t> group_of = group_nodes(nodes, conductance, groups);
   m.first_of_group.assign(groups + 1, 0);

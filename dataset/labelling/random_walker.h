@@ -19,8 +19,8 @@ struct Seed {
 
 class RandomWalker {
  public:
-  /// `conductance` of each pair is >= 0. `restart` of each node is > 0: the conductance to its start classes,
-  /// so that there is one solution and a walk does not go far.
+  /// `conductance` of each pair is >= 0. `restart` of each node is > 0 (1e-4 of all its pairs is the least
+  /// that counts): the conductance to its start classes, so that there is one solution and a walk is short.
   RandomWalker(size_t nodes, const std::vector<EnergyPair>& conductance, std::vector<float> restart);
   ~RandomWalker();
 

@@ -82,16 +82,15 @@ class CueFinder {
   StartCues run();
 
  private:
-  bool is_face_front(uint32_t f) const {
-    const Vec3f c = graph_.centre_cm[f];
-    return c.y > body_.chin_cm && c.y < body_.eyes_cm &&
-           std::abs(c.x - body_.head_x_cm) < 0.25f * body_.head_cm && c.z > body_.head_z_cm &&
-           graph_.normal[f].z > 0.3f;
-  }
   bool is_in_head(uint32_t f) const {
     const Vec3f c = graph_.centre_cm[f];
     return c.y > body_.chin_cm - 0.1f * body_.head_cm &&
            std::hypot(c.x - body_.head_x_cm, c.z - body_.head_z_cm) < 0.8f * body_.head_cm;
+  }
+  /// A braid on a dark jacket looks much like it: only what is nearer to the jacket's colour ends it.
+  bool is_torso(Vec3f lab) const {
+    return distance(lab, torso_, 10, 5) < 2 &&
+           distance(lab, hair_, kHairLightness, kHairHue) > distance(lab, torso_, kHairLightness, kHairHue);
   }
   void sample_parts();
   void measure_skin();
@@ -107,8 +106,9 @@ class CueFinder {
 };
 
 void CueFinder::sample_parts() {
-  skin_ = sample_colour(features_,
-                        [&](uint32_t f) { return is_face_front(f) && is_skin_locus(features_.lab[f]); });
+  skin_ = sample_colour(features_, [&](uint32_t f) {
+    return is_face_front(graph_, body_, f) && is_skin_locus(features_.lab[f]);
+  });
   measure_skin();
   const float crown = body_.eyes_cm + 0.35f * (body_.top_cm - body_.eyes_cm);
   ColourSample bare = sample_colour(features_, [&](uint32_t f) {
@@ -156,7 +156,7 @@ void CueFinder::flood_hair() {
       const uint32_t f = graph_.neighbours[n].face;
       if (in_hair_[f] || hair_likeness_[f] < 0.5f || skin_likeness_[f] > 0.5f) continue;
       const bool is_below = graph_.centre_cm[f].y < body_.chin_cm;
-      if (is_below && body_.is_whole && distance(features_.lab[f], torso_, 10, 5) < 2) continue;
+      if (is_below && body_.is_whole && is_torso(features_.lab[f])) continue;
       if (is_below && std::hypot(graph_.centre_cm[f].x - body_.head_x_cm,
                                  graph_.centre_cm[f].z - body_.head_z_cm) > 1.2f * body_.head_cm)
         continue;
@@ -232,6 +232,13 @@ BodyFrame body_frame(const FaceGraph& graph) {
   frame.head_x_cm = weighted_quantile(x);
   frame.head_z_cm = weighted_quantile(z);
   return frame;
+}
+
+bool is_face_front(const FaceGraph& graph, const BodyFrame& frame, uint32_t face) {
+  const Vec3f c = graph.centre_cm[face];
+  return c.y > frame.chin_cm && c.y < frame.eyes_cm &&
+         std::abs(c.x - frame.head_x_cm) < 0.25f * frame.head_cm && c.z > frame.head_z_cm &&
+         graph.normal[face].z > 0.3f;
 }
 
 StartCues start_cues(const FaceFeatures& features) {

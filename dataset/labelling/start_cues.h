@@ -21,6 +21,8 @@ struct BodyFrame {
   float share_of(float y_cm) const { return (y_cm - ground_cm) / (top_cm - ground_cm); }
 };
 BodyFrame body_frame(const FaceGraph& graph);
+/// Whether a mesh's face lies where the front of the person's face is, between chin and eyes.
+bool is_face_front(const FaceGraph& graph, const BodyFrame& frame, uint32_t face);
 
 constexpr int kCueCount = 14;
 using Cues = std::array<float, kCueCount>;

@@ -22,7 +22,7 @@ namespace {
 constexpr size_t kSampledFaces = 6000;  // of a scan
 constexpr double kPartRidge = 3e-4;     // against a mean log likelihood
 constexpr int kNewtonSteps = 12;
-constexpr double kPieceRidge = 0.002;  // against a mean log likelihood
+constexpr double kPieceRidge = 0.002, kLeatherRidge = 0.0005;  // against a mean log likelihood
 int part_of(uint8_t material_class) {
   return std::min<int>(material_class, kGarment);
 }
@@ -55,7 +55,7 @@ struct Regression {
   };
   std::vector<Row> rows;
 
-  std::array<float, N> solve() const {
+  std::array<float, N> solve(double ridge = kPieceRidge) const {
     std::array<float, N> weights{};
     double total = 1e-9;
     for (const Row& row : rows) total += row.weight;
@@ -70,8 +70,8 @@ struct Regression {
         hessian += share * p * (1 - p) * (x * x.transpose());
       }
       for (size_t i = 0; i < N; ++i) {
-        gradient[i] += kPieceRidge * weights[i];
-        hessian(i, i) += kPieceRidge;
+        gradient[i] += ridge * weights[i];
+        hessian(i, i) += ridge;
       }
       const Eigen::Matrix<double, N, 1> move = hessian.ldlt().solve(gradient);
       for (size_t i = 0; i < N; ++i) weights[i] -= static_cast<float>(move[i]);
@@ -196,21 +196,26 @@ void fit_parts(const std::vector<const FitHuman*>& humans, LabelModel& model) {
 PieceWeights fit_pieces(const std::vector<PieceSample>& samples) {
   Regression<std::tuple_size_v<BareCues>> bare;
   Regression<std::tuple_size_v<HangingCues>> hanging;
+  Regression<std::tuple_size_v<HeadCues>> head;
   Regression<std::tuple_size_v<LeatherCues>> leather;
   const std::array<float, 2> odds = odds_of_leather(samples);
   for (const PieceSample& of : samples) {
     const double garment = of.share[kFabric] + of.share[kLeather], rest = garment + of.share[kHair];
     if (of.piece.part == kSkin) bare.rows.push_back({of.cues.bare, of.share[kSkin], of.weight});
-    if (of.cues.may_be_hair && rest > 0.5)
+    if (of.piece.is_on_head && rest > 0.5)
+      head.rows.push_back({of.cues.head, of.share[kHair] / rest, of.weight});
+    else if (of.cues.may_be_hair && rest > 0.5)
       hanging.rows.push_back({of.cues.hanging, of.share[kHair] / rest, of.weight});
     if (tells_leather(of))
       leather.rows.push_back(
           {of.cues.leather, of.share[kLeather] / garment, of.weight, odds[of.is_generated]});
   }
-  return {bare.solve(), hanging.solve(), leather.solve()};
+  return {bare.solve(), hanging.solve(), head.solve(), leather.solve(kLeatherRidge)};
 }
 
-void fit_calibration(std::vector<LeadSample> samples, LabelModel& model) {
+namespace {
+
+Calibration calibration_of(std::vector<LeadSample> samples) {
   constexpr double kLeastBlock = 0.004, kCounts = 0.0005;
   std::sort(samples.begin(), samples.end(), [](const auto& l, const auto& r) { return l.lead < r.lead; });
   double total = 0;
@@ -239,11 +244,23 @@ void fit_calibration(std::vector<LeadSample> samples, LabelModel& model) {
     }
     rising.push_back(block);
   }
-  model.lead.clear();
-  model.right.clear();
+  Calibration calibration;
   for (const Block& block : rising) {
-    model.lead.push_back(static_cast<float>(block.lead / block.weight));
-    model.right.push_back(static_cast<float>(block.share()));
+    if (!(block.weight > 0)) continue;
+    calibration.lead.push_back(static_cast<float>(block.lead / block.weight));
+    calibration.right.push_back(static_cast<float>(block.share()));
+  }
+  return calibration;
+}
+
+}  // namespace
+
+void fit_calibration(const std::vector<LeadSample>& samples, LabelModel& model) {
+  for (int k = 0; k < kPartCount; ++k) {
+    std::vector<LeadSample> own;
+    for (const LeadSample& sample : samples)
+      if (sample.part == k) own.push_back(sample);
+    model.calibration[k] = calibration_of(std::move(own));
   }
 }
 
@@ -288,14 +305,36 @@ std::vector<LeadSample> gathered_leads(const std::vector<std::vector<LeadSample>
   return all;
 }
 
-std::vector<LeadSample> lead_samples(const Labelling& labels, const RobotHuman& human) {
+/// The part that most of each piece is, by the faces' classes.
+std::vector<int> parts_of_pieces(const Garments& garments, const std::vector<uint8_t>& face_class,
+                                 const std::vector<double>& face_area) {
+  std::vector<std::array<double, kPartCount>> area(garments.garments.size());
+  for (size_t f = 0; f < face_class.size(); ++f)
+    if (garments.of_face[f] != Garments::kNone && face_class[f] < kClassCount)
+      area[garments.of_face[f]][part_of(face_class[f])] += face_area[f];
+  std::vector<int> parts;
+  for (const auto& shares : area)
+    parts.push_back(static_cast<int>(std::max_element(shares.begin(), shares.end()) - shares.begin()));
+  return parts;
+}
+
+/// Of faces whose piece is what the label says, or that are of no piece: whether a piece is what it is said
+/// to be is the piece's own doubt.
+std::vector<LeadSample> lead_samples(const Labelling& labels, const Garments& garments,
+                                     const RobotHuman& human) {
   double all = 0;
   for (double area : human.area) all += area;
+  const std::vector<int> true_part = parts_of_pieces(garments, human.truth, human.area),
+                         said_part = parts_of_pieces(garments, labels.face_class, human.area);
   std::vector<LeadSample> samples;
-  for (size_t f = 0; f < labels.lead.size(); ++f)
-    if (human.truth[f] < kClassCount)
-      samples.push_back({labels.lead[f], static_cast<float>(human.area[f] / all),
-                         part_of(labels.face_class[f]) == part_of(human.truth[f])});
+  for (size_t f = 0; f < labels.lead.size(); ++f) {
+    const int said = part_of(labels.face_class[f]);
+    const uint32_t g = garments.of_face[f];
+    if (human.truth[f] >= kClassCount) continue;
+    if (g != Garments::kNone && said == said_part[g] && said != true_part[g]) continue;
+    samples.push_back(
+        {labels.lead[f], static_cast<float>(human.area[f] / all), said == part_of(human.truth[f]), said});
+  }
   return samples;
 }
 
@@ -324,15 +363,14 @@ std::vector<LabelModel> cross_validated_models(const std::vector<FitHuman>& huma
   for (size_t i = 0; i < humans.size(); ++i) {
     models[i].pieces = fit_pieces(gathered(pieces, teachers[i]));
     Labeller labeller(humans[i].features, humans[i].unit_cm, models[i]);
-    leads[i] = lead_samples(labeller.solve({}), *humans[i].human);
+    leads[i] = lead_samples(labeller.solve({}), labeller.garments(), *humans[i].human);
   }
   fitted.clear();
   for (size_t i = 0; i < humans.size(); ++i) {
     if (humans[i].is_generated) continue;  // they are not measured here
     const auto [model, is_new] = fitted.try_emplace(teachers[i]);
     if (is_new) fit_calibration(gathered_leads(leads, humans, teachers[i]), model->second);
-    models[i].lead = model->second.lead;
-    models[i].right = model->second.right;
+    models[i].calibration = model->second.calibration;
   }
   fit_faces(everyone, of_all);
   of_all.pieces = fit_pieces(gathered(pieces, everyone));

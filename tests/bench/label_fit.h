@@ -26,10 +26,11 @@ struct FitHuman {
 };
 FitHuman prepare_fit(const RobotHuman& human);
 
-/// A label's lead, whether its part (skin, hair, garment) is right, and its share of the person's area.
+/// A label's lead, its share of the person's area, its part (skin, hair, garment) and whether that is right.
 struct LeadSample {
   float lead = 0, weight = 0;
   bool is_right = false;
+  int part = kGarment;
 };
 
 /// Softmax of the parts by Newton's method, people that were generated and others each half of the
@@ -47,8 +48,8 @@ struct PieceSample {
 };
 /// Logistic regressions with a ridge; a piece counts by the root of its area.
 PieceWeights fit_pieces(const std::vector<PieceSample>& samples);
-/// The share that is right, ascending with the lead (pool adjacent violators), at up to 12 knots.
-void fit_calibration(std::vector<LeadSample> samples, LabelModel& model);
+/// Of each part the share that is right, ascending with the lead (pool adjacent violators).
+void fit_calibration(const std::vector<LeadSample>& samples, LabelModel& model);
 
 /// The model of each scan, fitted without its person and without those who share a garment. Generated people
 /// share garments with nearly all others: they are taught by the other half of them, and are here to teach.

@@ -5,67 +5,62 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <random>
 #include <set>
 
 namespace ohb {
 namespace {
 
 constexpr size_t kBins = 10;
-constexpr int kDraws = 1000;
 constexpr double kLeastShare = 0.01;  // bins of less area say little
+
+/// E. B. Wilson, "Probable inference, the law of succession, and statistical inference", J. Am. Stat. Assoc.
+/// 1927: of what is right of `count` with this share right, at 90 %.
+void set_interval(double share, double count, ReliabilityBin& bin) {
+  constexpr double kDeviations = 1.645;
+  const double z2 = kDeviations * kDeviations / count, middle = (share + z2 / 2) / (1 + z2),
+               half = std::sqrt(share * (1 - share) * z2 + z2 * z2 / 4) / (1 + z2);
+  bin.low = middle - half;
+  bin.high = middle + half;
+}
 
 /// Bins that end before these claims; the last has no end.
 std::vector<ReliabilityBin> binned(const std::vector<PersonClaims>& people, const std::vector<float>& ends) {
   std::vector<ReliabilityBin> bins(ends.size() + 1);
-  std::map<std::string, std::vector<ReliabilityBin>> of_person;
+  std::vector<double> squares(bins.size(), 0);  // of the pieces' areas
+  std::set<std::string> names;
+  const double count = static_cast<double>(people.size());
   for (const PersonClaims& person : people) {
-    std::vector<ReliabilityBin>& own = of_person.try_emplace(person.person, bins.size()).first->second;
+    names.insert(person.person);
     std::map<std::pair<size_t, uint32_t>, double> pieces;
     for (const Claim& claim : person.claims) {
       const size_t b =
           static_cast<size_t>(std::upper_bound(ends.begin(), ends.end(), claim.claimed) - ends.begin());
-      const double area = claim.area / static_cast<double>(people.size());
-      own[b].area += area;
-      own[b].claimed += area * claim.claimed;
-      own[b].right += claim.right / static_cast<double>(people.size());
+      bins[b].area += claim.area / count;
+      bins[b].claimed += claim.area / count * claim.claimed;
+      bins[b].right += claim.right / count;
       pieces[{b, claim.piece}] += claim.area;
     }
-    for (const auto& [key, area] : pieces) bins[key.first].pieces += area >= kLeastOfPiece;
+    for (const auto& [key, area] : pieces) {
+      bins[key.first].pieces += area >= kLeastOfPiece;
+      squares[key.first] += area / count * area / count;
+    }
   }
-  std::vector<const std::vector<ReliabilityBin>*> persons;
-  for (const auto& [name, own] : of_person) persons.push_back(&own);
+  const double forms = count / static_cast<double>(std::max<size_t>(1, names.size()));
   for (size_t b = 0; b < bins.size(); ++b) {
-    for (const auto* own : persons) {
-      bins[b].area += (*own)[b].area;
-      bins[b].claimed += (*own)[b].claimed;
-      bins[b].right += (*own)[b].right;
-    }
-    std::mt19937 random(static_cast<uint32_t>(b));
-    std::vector<double> draws;
-    for (int draw = 0; draw < kDraws; ++draw) {
-      double area = 0, right = 0;
-      for (size_t i = 0; i < persons.size(); ++i) {
-        const ReliabilityBin& of = (*persons[random() % persons.size()])[b];
-        area += of.area;
-        right += of.right;
-      }
-      if (area > 0) draws.push_back(right / area);
-    }
-    std::sort(draws.begin(), draws.end());
-    if (draws.empty()) continue;
-    bins[b].low = draws[draws.size() / 20];
-    bins[b].high = draws[draws.size() - 1 - draws.size() / 20];
+    if (!(bins[b].area > 0)) continue;
+    bins[b].garments = bins[b].area * bins[b].area / squares[b] / forms;
+    set_interval(std::min(1.0, bins[b].right / bins[b].area), bins[b].garments, bins[b]);
   }
   return bins;
 }
 
 std::string lines_of(const std::vector<ReliabilityBin>& bins) {
-  std::string text = "  claimed   right      90 % interval  % of the area  pieces\n";
+  std::string text = "  claimed   right      90 % interval  % of the area  pieces  garments\n";
   for (const ReliabilityBin& bin : bins)
     if (bin.area > 0)
-      text += fmt::format("  {:7.3f} {:7.3f}     {:.3f} to {:.3f} {:14.2f} {:7}\n", bin.claimed / bin.area,
-                          bin.right / bin.area, bin.low, bin.high, 100 * bin.area, bin.pieces);
+      text += fmt::format("  {:7.3f} {:7.3f}     {:.3f} to {:.3f} {:14.2f} {:7} {:9.1f}\n",
+                          bin.claimed / bin.area, bin.right / bin.area, bin.low, bin.high, 100 * bin.area,
+                          bin.pieces, bin.garments);
   return text;
 }
 

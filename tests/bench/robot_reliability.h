@@ -1,7 +1,8 @@
 // Whether what claims to be right to p is right to p, by area: a reliability diagram. Faces of one garment
 // are right or wrong together, so that a bin says no more than it holds garments: strictly, in ten bins of
-// equal width whatever they hold; and in bins of equal area that hold kLeastPieces garments or more, with an
-// interval of each by drawing people anew.
+// equal width whatever they hold; and in bins of equal area that hold kLeastPieces garments or more. Each
+// with the 90 % interval that so many garments leave: of n that are all right no more than n / (n + 2.7) is
+// shown.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,7 @@ struct Claim {
   uint32_t piece = 0;          // a garment, or a part of the body
 };
 
-/// All forms of one person are of one name.
+/// All forms of one person are of one name, each person in as many.
 struct PersonClaims {
   std::string person;
   std::vector<Claim> claims;
@@ -26,7 +27,8 @@ struct PersonClaims {
 struct ReliabilityBin {
   double area = 0, claimed = 0, right = 0;  // share of the area, and of it what is claimed, and right
   size_t pieces = 0;                        // with kLeastOfPiece of their person's area and more in it
-  double low = 0, high = 0;                 // of right / area: 90 % of draws of people with replacement
+  double garments = 0;       // as many of equal area as tell as much, all forms of one garment being one
+  double low = 0, high = 0;  // of right / area: Wilson's score interval at 90 % for so many garments
 
   double error() const { return (claimed - right) / area; }
 };

@@ -218,13 +218,11 @@ TEST(LabelPatches, SolesAreOfTheirShoesAndPalmsAreSkin) {
 }
 
 TEST(LabelModel, CalibrationIsLinearBetweenItsKnotsAndHoldsItsEnds) {
-  LabelModel model;
-  model.lead = {-1, 1, 3};
-  model.right = {0.2f, 0.6f, 1};
-  EXPECT_FLOAT_EQ(calibrated(model, -5), 0.2f);
-  EXPECT_FLOAT_EQ(calibrated(model, 0), 0.4f);
-  EXPECT_FLOAT_EQ(calibrated(model, 2), 0.8f);
-  EXPECT_FLOAT_EQ(calibrated(model, 9), 1);
+  const Calibration calibration{{-1, 1, 3}, {0.2f, 0.6f, 1}};
+  EXPECT_FLOAT_EQ(calibrated(calibration, -5), 0.2f);
+  EXPECT_FLOAT_EQ(calibrated(calibration, 0), 0.4f);
+  EXPECT_FLOAT_EQ(calibrated(calibration, 2), 0.8f);
+  EXPECT_FLOAT_EQ(calibrated(calibration, 9), 1);
 }
 
 TEST(LabelModel, PartsAreASoftmaxOfTheirCues) {
@@ -258,8 +256,10 @@ TEST(LabelModel, ReadsWhatItWroteAndRefusesWhatIsNoModel) {
   json["skin"].erase("face");
   refused(json, {"skin", "weights"});
   json = nlohmann::json::parse(text);
-  json["calibration"].front()["right"] = 1.5;
-  refused(json, {"calibration", "ascend"});
+  json["calibration"]["hair"].front()["right"] = 1.5;
+  refused(json, {"calibration of hair", "ascend"});
+  json["calibration"].erase("hair");
+  refused(json, {"calibration of hair", "no list"});
   json = nlohmann::json::parse(text);
   json["leather"]["brown"] = "often";
   refused(json, {"brown", "no number"});
