@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Human Material: relights and edits people from image-space material maps, in Blender 3.4 to 5.x.
+"""Human Material: labels scans, relights and edits people from image-space material maps, in Blender 3.4 to 5.x.
 
     services/   what the add-on can do; no user interface, usable from scripts (blender_addon/relight.py)
     ui/         thin operators and panels; only this imports from services, never the other way round
@@ -15,7 +15,7 @@ bl_info = {
     "version": (0, 1, 0),
     "blender": (3, 4, 0),
     "location": "3D Viewport > Sidebar > Human Material",
-    "description": "Relights and edits people from estimated material maps",
+    "description": "Labels scans; relights and edits people from estimated maps",
     "category": "Render",
 }
 

@@ -234,7 +234,11 @@ def views(window, session, labeller):
         with window.override():
             bpy.ops.view3d.view_axis(type="FRONT")
             bpy.ops.view3d.view_selected()
-    settings.show = "DOUBT"
+    yield from window.click_window(974, 180)   # the buttons Hair and Doubt
+    yield from window.wait(lambda: settings_now().class_name == "hair", "the button Hair", 30)
+    yield from window.click_window(988, 378)
+    yield from window.wait(lambda: settings_now().show == "DOUBT", "the button Doubt", 30)
+    settings = settings_now()
     yield from window.picture("4_front_doubt")
     settings.show = "PICTURE"
     yield from window.picture("5_front_picture")
