@@ -145,7 +145,8 @@ void SourceSurface::read_materials(const Scan& scan, const Model& mesh,
     return MipTexture(std::move(picture), std::move(is_shown));
   };
   materials_.resize(scan.materials.size());
-  for (uint16_t m = 0; m < materials_.size(); ++m) {
+  for (size_t i = 0; i < materials_.size(); ++i) {
+    const auto m = static_cast<uint16_t>(i);
     const ScanMaterial& from = scan.materials[m];
     materials_[m].from = from;
     if (!from.diffuse.empty()) materials_[m].albedo = texture(m, surface::read_colour_picture(from.diffuse));

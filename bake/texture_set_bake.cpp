@@ -304,10 +304,10 @@ void SetBake::report_seams(MapSeams seams) {
   report_.seams.insert(after, std::move(seams));
 }
 
-void SetBake::report_shipped(const char* map, std::vector<SeamError> levels) {
+void SetBake::report_shipped(const char* map, const std::vector<SeamError>& levels) {
   const std::lock_guard lock(report_mutex_);
   for (MapSeams& seams : report_.seams)
-    if (seams.map == map) seams.shipped_levels = std::move(levels);
+    if (seams.map == map) seams.shipped_levels = levels;
 }
 
 std::vector<Image> SetBake::mips_of(const Image& map, const MapKind& kind) {
@@ -329,7 +329,7 @@ std::vector<Image> SetBake::mips_of(const Image& map, const MapKind& kind) {
     SeamMender(seams_, is_inside, width, height, 1).mend(mips.back(), values, mend_tolerance(values));
     errors.push_back(seam_errors(mips.back(), seams_, values, 1).front());
   }
-  if (!errors.empty()) report_shipped(kind.name, std::move(errors));
+  if (!errors.empty()) report_shipped(kind.name, errors);
   return mips;
 }
 
@@ -374,7 +374,7 @@ ByteImage SetBake::debug() const {
       const auto green = [&] {
         const float distance = std::fabs(source_.height.values[i]);
         const float share = reach_cm_ > 0 ? std::min(1.0f, distance / reach_cm_) : 0;
-        return static_cast<uint8_t>(kQuarter + static_cast<int>(0.5 + share * (kFull - kQuarter)));
+        return static_cast<uint8_t>(kQuarter + std::lround(share * (kFull - kQuarter)));
       };
       if (source_.results[i] == RayResult::kHit) colour = {0, green(), 0};
       if (source_.results[i] == RayResult::kNearest) colour = {0, green(), kFull};

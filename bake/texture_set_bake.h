@@ -73,7 +73,7 @@ class SetBake {
   /// Both.
   Image finished(Image image, const char* map, const std::vector<uint8_t>& is_covered, MapValues values);
   void report_seams(MapSeams seams);
-  void report_shipped(const char* map, std::vector<SeamError> levels);
+  void report_shipped(const char* map, const std::vector<SeamError>& levels);
   void look_at_seams_and_source(const SourceBake* source);
   void report_source();
 
