@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kNetwork_px = 256;
 constexpr int kGrabCut_px = 384;
+constexpr int kCut_px = 640;  // of the person's surroundings: more takes seconds
 // Larger photos are worked on at this size: a matte for maps of up to 1024 px needs no more, and ten floats a
 // pixel of a photo of 100 million would take gigabytes and minutes.
 constexpr int kWorking_px = 2048;
@@ -172,19 +173,49 @@ cv::Mat guided(const cv::Mat& grey, const cv::Mat& mask, int radius_px, double e
   return mean(slope).mul(grey) + mean(level);
 }
 
-/// A coarse mask with its edge on the picture's; far from the edge it is 0 or 1.
-cv::Mat refined(const cv::Mat& picture, const cv::Mat& coarse, int side_px) {
-  cv::Mat grey;
-  cv::cvtColor(picture, grey, cv::COLOR_RGB2GRAY);
+cv::Mat disc_of(int radius_px) {
+  return cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(2 * radius_px + 1, 2 * radius_px + 1));
+}
+
+/// The mask with its edge where colours say, within `radius_px` of where it was: a graph cut (GrabCut) that
+/// may change nothing further off. The network's edge is as coarse as its 256 pixels, and fills gaps between
+/// legs.
+cv::Mat cut_by_colours(const cv::Mat& whole, const cv::Mat& whole_coarse, int whole_radius_px) {
+  const double scale = std::min(1.0, kCut_px / static_cast<double>(std::max(whole.rows, whole.cols)));
+  const int radius_px = std::max(2, static_cast<int>(std::lround(scale * whole_radius_px)));
+  cv::Mat picture, coarse;
+  cv::resize(whole, picture, cv::Size(), scale, scale, cv::INTER_AREA);
+  cv::resize(whole_coarse, coarse, picture.size(), 0, 0, cv::INTER_AREA);
+  cv::Mat core, around, bytes, labels(coarse.size(), CV_8U, cv::Scalar(cv::GC_BGD));
+  const cv::Mat inside = coarse > 0.5;
+  cv::erode(inside, core, disc_of(radius_px));
+  cv::dilate(inside, around, disc_of(radius_px));
+  labels.setTo(cv::GC_PR_BGD, around);
+  labels.setTo(cv::GC_PR_FGD, inside);
+  labels.setTo(cv::GC_FGD, core);
+  if (cv::countNonZero(core) == 0 || cv::countNonZero(around == 0) == 0) return whole_coarse;
+  picture.convertTo(bytes, CV_8UC3, 255);
+  cv::Mat background, foreground, mask;
+  cv::setRNGSeed(1);
+  cv::grabCut(bytes, labels, cv::Rect(), background, foreground, 3, cv::GC_INIT_WITH_MASK);
+  const cv::Mat found = labels & 1;
+  found.convertTo(mask, CV_32F);
+  return enlarged(mask, whole.size());
+}
+
+/// A coarse mask, all of it in `near`, with its edge on the picture's; far from the edge it is 0 or 1.
+cv::Mat refined(const cv::Mat& picture, const cv::Mat& coarse, const cv::Rect& near, int side_px) {
   const int radius = std::max(2, side_px / 60);
-  cv::Mat soft = guided(grey, coarse, radius, 1e-4);
-  // A coarse mask is soft over many pixels of the photo: the middle half of it becomes the edge.
+  cv::Mat mask = cv::Mat::zeros(coarse.size(), CV_32F), grey;
+  cut_by_colours(picture(near), coarse(near), 2 * radius).copyTo(mask(near));
+  cv::cvtColor(picture, grey, cv::COLOR_RGB2GRAY);
+  // A quarter of it from the network: its doubt makes the edge soft.
+  const int fine = std::max(1, radius / 3);
+  cv::Mat soft = guided(grey, 0.75 * mask + 0.25 * coarse, fine, 1e-4);
   soft = cv::max(cv::min((soft - 0.25) / 0.5, 1.0), 0.0);
   cv::Mat core, around;
-  const cv::Mat kernel =
-      cv::getStructuringElement(cv::MORPH_ELLIPSE, cv::Size(2 * radius + 1, 2 * radius + 1));
-  cv::erode(coarse > 0.5, core, kernel);
-  cv::dilate(coarse > 0.5, around, kernel);
+  cv::erode(coarse > 0.5, core, disc_of(2 * radius));
+  cv::dilate(coarse > 0.5, around, disc_of(2 * radius));
   soft.setTo(1, core);
   soft.setTo(0, around == 0);
   return soft;
@@ -231,7 +262,7 @@ Matte find_person(const Photo& photo, const fs::path& photo_file, const MattingO
   cv::Mat near_labels;
   if (!regions_of(coarse, near_labels).empty()) coarse.setTo(0, (near_labels != 1) & (coarse > 0.5));
   Matte matte;
-  const cv::Mat soft = refined(picture, coarse, std::max(box.width, box.height));
+  const cv::Mat soft = refined(picture, coarse, near, std::max(box.width, box.height));
   matte.mask = image_of(enlarged(soft, cv::Size(photo.linear.width_px, photo.linear.height_px)));
   matte.people = static_cast<int>(boxes.size());
   return matte;

@@ -23,10 +23,10 @@ struct Matte {
 };
 
 /// The network sees the whole photo, then once more the surroundings of the person that is asked for, so that
-/// people who are small in the picture get an edge of their own scale. The edge follows the photo by a guided
-/// filter (He, Sun and Tang 2013).
-/// Throws InputError: a network that cannot be read or has another form; nobody found, or fewer than
-/// `person`.
+/// people who are small in the picture get an edge of their own scale. Within a thirtieth of the person's
+/// longer side the edge goes where colours differ, by a graph cut (Rother, Kolmogorov and Blake 2004,
+/// GrabCut), and follows the photo by a guided filter (He, Sun and Tang 2013). Throws InputError: a network
+/// that cannot be read or has another form; nobody found, or fewer than `person`.
 Matte find_person(const Photo& photo, const std::filesystem::path& photo_file, const MattingOptions& options);
 
 /// Colours of the foreground alone where it covers a pixel in part: without it a bright background leaves a
