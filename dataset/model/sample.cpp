@@ -50,12 +50,27 @@ void check(const Image& image, const Image& mask, const std::string& part, const
 
 }  // namespace
 
+namespace {
+
+/// The noise of shadows that were guessed (renderer/shadow_guess.h) leaves single pixels below 0, where no
+/// light is: 0 is nearer to the truth, and logarithms need it.
+Image without_negatives(Image radiance) {
+  for (float& value : radiance.values)
+    if (value < 0) value = 0;
+  return radiance;
+}
+
+}  // namespace
+
 void write_sample(const std::filesystem::path& file, const Sample& sample) {
   std::vector<ExrPart> parts;
   for (const SampleMap& map : sample_maps())
     parts.push_back({map.name, map.channels, map.type, sample.*map.image});
   for (const SampleLight& light : sample.lights)
-    parts.push_back({kLightPrefix + light.name, {"R", "G", "B"}, ExrPart::Type::kHalf, light.radiance});
+    parts.push_back({kLightPrefix + light.name,
+                     {"R", "G", "B"},
+                     ExrPart::Type::kHalf,
+                     without_negatives(light.radiance)});
   write_exr(file, parts, sample.attributes);
 }
 

@@ -32,7 +32,8 @@ struct Sample {
   ExrAttributes attributes;
 };
 
-/// Parts: sample_maps() (map_table.h), relit.<light>... in half. Equal samples give equal bytes.
+/// Parts: sample_maps() (map_table.h), relit.<light>... in half, radiance below 0 as 0. Equal samples give
+/// equal bytes.
 void write_sample(const std::filesystem::path& file, const Sample& sample);
 
 /// Its attributes alone, from the header: a small part of the time. Throws InputError if that cannot be read.

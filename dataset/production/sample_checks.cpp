@@ -13,7 +13,6 @@ namespace ohb::production {
 namespace {
 
 constexpr float kUnit = 2e-3f, kHalf = 2e-3f;  // of normals, and of values that are stored as halves
-constexpr float kClearlyNegative = -0.05f;     // of the brightest value
 constexpr int kGrid = 8;
 constexpr double kMapPixels = 1e-3;  // that may differ: borders fall either way on other processors
 
@@ -107,8 +106,8 @@ void check_light(const Sample& sample, const SampleLight& light, std::vector<std
   const float largest = values.empty() ? 0 : *std::max_element(values.begin(), values.end());
   if (largest <= 0) faults.push_back(name + " is black everywhere");
   check_background(sample, light.radiance, name, faults);
-  check(sample, light.radiance, name + " is clearly negative", faults, [&](const float* value, float) {
-    return std::min({value[0], value[1], value[2]}) < kClearlyNegative * largest;
+  check(sample, light.radiance, name + " is negative", faults, [&](const float* value, float) {
+    return std::min({value[0], value[1], value[2]}) < 0;
   });
 }
 

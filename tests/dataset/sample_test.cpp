@@ -51,6 +51,17 @@ TEST(Sample, ReadsBackWhatWasWritten) {
   EXPECT_EQ(back.attributes, sample.attributes);
 }
 
+TEST(Sample, RadianceBelowZeroIsWrittenAsZero) {
+  const TemporaryFolder folder;
+  Sample sample = small_sample();
+  sample.lights[0].radiance.values[4] = -0.25F;
+  write_sample(folder / "view.exr", sample);
+  const Sample back = read_sample(folder / "view.exr");
+  sample.lights[0].radiance.values[4] = 0;
+  EXPECT_EQ(back.lights[0].radiance.values, sample.lights[0].radiance.values);
+  EXPECT_LT(back.normal.values[0], 0);
+}
+
 TEST(Sample, EqualSamplesGiveEqualBytes) {
   const TemporaryFolder folder;
   write_sample(folder / "a.exr", small_sample());

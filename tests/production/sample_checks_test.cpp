@@ -60,7 +60,7 @@ TEST(SampleChecks, EachFaultIsNamed) {
       {[](Sample& s) { *s.roughness.pixel(0, 0) = 0.4f; },
        "roughness is not 0 outside the mask at pixel (0, 0)"},
       {[](Sample& s) { s.lights[0].radiance.pixel(0, 3)[0] = 1; }, "relit.noon is not 0 away from the mask"},
-      {[](Sample& s) { s.lights[0].radiance.pixel(6, 7)[0] = -1; }, "relit.noon is clearly negative"},
+      {[](Sample& s) { s.lights[0].radiance.pixel(6, 7)[0] = -1; }, "relit.noon is negative"},
       {[](Sample& s) {
          for (float& v : s.lights[0].radiance.values) v = 0;
        },
