@@ -1,9 +1,13 @@
 #include "learner/matting.h"
 
 #include <spdlog/spdlog.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/dnn.hpp>
 #include <opencv2/imgproc.hpp>
@@ -71,6 +75,32 @@ std::string words_of(const std::exception& error, const std::string& otherwise) 
                    "give an ONNX file that takes 1 x 3 x 256 x 256 and gives one plane of that size");
 }
 
+/// OpenCV's reader of ONNX ends the process on some damaged files (4.6: segmentation fault): a child meets
+/// them first.
+void try_in_a_child(const fs::path& file) {
+  constexpr unsigned kPatience_s = 120;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::signal(SIGSEGV, SIG_DFL);
+    ::signal(SIGABRT, SIG_DFL);
+    ::alarm(kPatience_s);
+    cv::setNumThreads(0);
+    try {
+      cv::dnn::Net net = cv::dnn::readNetFromONNX(file.string());
+      net.setInput(cv::dnn::blobFromImage(cv::Mat::zeros(kNetwork_px, kNetwork_px, CV_32FC3)));
+      net.forward();
+    } catch (...) {  // is said in words when we read it ourselves
+    }
+    ::_exit(0);
+  }
+  int status = 0;
+  while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (child > 0 && WIFSIGNALED(status))
+    throw_no_network(file, WTERMSIG(status) == SIGALRM ? "it takes more than two minutes"
+                                                       : "it is damaged: OpenCV does not survive it");
+}
+
 /// The probability of "person" from an ONNX network.
 class Network {
  public:
@@ -78,6 +108,7 @@ class Network {
     if (!fs::is_regular_file(file)) throw_no_network(file, "there is no such file");
     // Its words come with the exception; on stderr they would come twice.
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+    try_in_a_child(file);
     try {
       net_ = cv::dnn::readNetFromONNX(file.string());
     } catch (const std::exception& error) {

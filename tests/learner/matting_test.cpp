@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/colour.h"
@@ -144,6 +145,27 @@ TEST(Matting, SaysWhatIsWrong) {
             std::string::npos);
   EXPECT_NE(cause_of(photo, {file_of("nan.onnx", colour_network({NAN, 0, 0}, 0)), 1}).find("NaN"),
             std::string::npos);
+}
+
+TEST(Matting, SurvivesDamagedNetworks) {
+  const TemporaryFolder folder;
+  const std::string whole = colour_network({12, -12, 0}, -3);
+  const Photo photo = discs_on_a_wall({{24, 24, 14}}, 48, 48);
+  std::mt19937 random(1);
+  int refused = 0;
+  for (int i = 0; i < 150; ++i) {
+    std::string damaged = whole;
+    for (uint32_t bytes = 1 + random() % 4; bytes > 0; --bytes)
+      damaged[random() % damaged.size()] = static_cast<char>(random());
+    const std::filesystem::path file = folder / "damaged.onnx";
+    write_file_atomically(file, damaged);
+    try {
+      find_person(photo, "photo.jpg", {file, 1});
+    } catch (const InputError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 20);
 }
 
 TEST(ForegroundColours, LoseTheRimOfABrightBackground) {
