@@ -153,10 +153,12 @@ TEST(Matting, SurvivesDamagedNetworks) {
   const Photo photo = discs_on_a_wall({{24, 24, 14}}, 48, 48);
   std::mt19937 random(1);
   int refused = 0;
-  for (int i = 0; i < 150; ++i) {
+  // Number 2403 ends OpenCV 4.6's reader with a segmentation fault; most others are refused or read.
+  for (int i = 0; i < 2420; ++i) {
     std::string damaged = whole;
     for (uint32_t bytes = 1 + random() % 4; bytes > 0; --bytes)
       damaged[random() % damaged.size()] = static_cast<char>(random());
+    if (i >= 100 && i < 2400) continue;
     const std::filesystem::path file = folder / "damaged.onnx";
     write_file_atomically(file, damaged);
     try {
