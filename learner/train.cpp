@@ -191,8 +191,9 @@ int64_t Trainer::start_or_resume() {
 /// The others begin where rank 0 does, with its checkpoint, and only if they do the same.
 void Trainer::agree_with_first() {
   if (ranks_.is_alone()) return;
-  const json first = json::parse(
-      ranks_.from_first(json{{"header", header_}, {"steps", steps_}, {"step", first_step_}}.dump()));
+  const json first = parse_json(
+      ranks_.from_first(json_text(json{{"header", header_}, {"steps", steps_}, {"step", first_step_}})),
+      "the first process");
   if (ranks_.is_first()) return;
   check_same_run(first["header"], header_, "rank 0");
   if (first["steps"] != steps_)
