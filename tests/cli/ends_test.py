@@ -126,7 +126,7 @@ class Ends(unittest.TestCase):
         process.stdout.close()
 
     def test_no_memory_is_told_in_words(self):
-        count = max(4, MANY)
+        count = max(2, MANY)
         seen = {}
         for name, words in self.fixture.commands(self.place() / "out", heavy=False).items():
             lowest, highest = (40, 700) if words[0] == "openhumanbrdf" else (200, 1600)
