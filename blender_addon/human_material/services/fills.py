@@ -36,14 +36,14 @@ class Faces:
                 for c in self.corners(f):
                     faces_of[key_of(c)].append(f)
         faces_of = self._faces_of[kind]
-        found, keys, todo = {face}, set(), [face]
-        while todo:
-            for key in map(key_of, self.corners(todo.pop())):
+        found, keys, front = {face}, set(), [face]
+        while front:
+            for key in map(key_of, self.corners(front.pop())):
                 if key not in keys:
                     keys.add(key)
                     new = [f for f in faces_of[key] if f not in found]
                     found.update(new)
-                    todo += new
+                    front += new
         return sorted(found)
 
 

@@ -56,15 +56,15 @@ class Labeller:
         wrong = {f for f in self.session.scan.kept if classes[f] != self.truth[f]}
         found = []
         while wrong:
-            todo, region = [wrong.pop()], []
-            while todo:
-                f = todo.pop()
+            front, region = [wrong.pop()], []
+            while front:
+                f = front.pop()
                 region.append(f)
                 for c in faces.corners(f):
                     for g in self.faces_of[faces.vertices[c]]:
                         if g in wrong and self.truth[g] == self.truth[f]:
                             wrong.discard(g)
-                            todo.append(g)
+                            front.append(g)
             found.append(region)
         return sorted(found, key=lambda r: -sum(self.areas[f] for f in r))
 
