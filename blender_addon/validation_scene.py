@@ -60,6 +60,25 @@ def build_scene(folder, description, threads):
     return settings
 
 
+def keep_scene(settings, path, work, size_px):
+    """Writes the scene, ready to render the first image of the pass, as a .blend that holds its pictures and names no
+    file of this machine."""
+    scene = bpy.context.scene
+    set_adaptive(settings, work["adaptive_threshold"])
+    set_box(settings, None, size_px)
+    scene.cycles.samples, scene.cycles.seed = work["spp"], work["seeds"][0]
+    scene.render.filepath = "//"
+    for image in bpy.data.images:
+        if image.source == "FILE":
+            image.pack()
+            image.filepath_raw = "//" + os.path.basename(image.filepath)
+            for packed in image.packed_files:
+                packed.filepath = image.filepath_raw
+    bpy.ops.wm.save_as_mainfile(filepath=path, check_existing=False, compress=True, copy=True, relative_remap=False)
+    if not os.path.isfile(path):
+        raise OSError("Blender did not write %s" % path)
+
+
 # Rendering ----------------------------------------------------------------------------------------------
 
 def timed(action):
@@ -151,6 +170,8 @@ def run(path, threads):
     build_s, _ = timed(lambda: built.append(build_scene(folder, description, threads)))
     settings = built[0]
     load_s, load_cpu_s = timed(lambda: warm_up(settings, os.path.join(output, "warm_up.exr")))
+    if description["kept"]:
+        keep_scene(settings, os.path.join(output, description["kept"]), description["passes"][0], description["size_px"])
     passes = render_passes(settings, description, output)
     report = {"versions": {"blender": bpy.app.version_string}, "build_s": build_s, "load_s": load_s,
               "load_cpu_s": load_cpu_s, "passes": passes, "settings": settings.read_back()}

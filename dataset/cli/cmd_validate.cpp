@@ -15,7 +15,7 @@ namespace {
 
 struct Options {
   std::string model, environment, view = "0/1", subsurface = "walk", shading = "v1", output;
-  bool install_bpy = false;
+  bool install_bpy = false, keeps_scene = false;
   validation::ValidationSettings settings;
 };
 
@@ -60,6 +60,7 @@ int run_validate(Options options, const CommonOptions& common) {
   AtomicFolder folder(options.output, "report of validate", {options.model, options.environment});
   const fs::path scratch = folder.path() / "scene";
   fs::create_directories(scratch);
+  if (options.keeps_scene) settings.kept = folder.path() / "scene.blend";
   const validation::Validation validation = validation::validate(model, environment, settings, scratch);
   fs::remove_all(scratch);
   validation::write_validation(folder.path(), validation);
@@ -137,6 +138,8 @@ void add_validate_command(CLI::App& app, Commands& commands) {
   command->add_option("--environment", options->environment, "latitude-longitude map, linear")->required();
   add_peer_options(command, *options);
   add_picture_options(command, *options);
+  command->add_flag("--keep-scene", options->keeps_scene,
+                    "writes REPORT/scene.blend too: the scene as Cycles rendered it, whole in one file");
   command->add_option("-o,--output", options->output, "folder for the report")->required();
   add_common_options(*command, commands.common);
   add_seed_option(*command, commands.common);

@@ -166,6 +166,7 @@ void write_cycles_scene(const fs::path& folder, const CyclesScene& scene) {
                       {"bounces", scene.max_bounces},
                       {"numbers", scene.numbers == CyclesNumbers::kTables ? "tables" : "scrambled"},
                       {"passes", json::array()},
+                      {"kept", scene.kept.empty() ? json(nullptr) : json(scene.kept)},
                       {"output", "renders"}};
   for (size_t i = 0; i < scene.model->sets.size(); ++i)
     description["texture_sets"].push_back(write_texture_set(folder, scene.model->sets[i], i));

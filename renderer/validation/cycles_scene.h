@@ -41,6 +41,7 @@ struct CyclesScene {
   bool subsurface = true;  // false: diffuse reflection instead
   CyclesNumbers numbers = CyclesNumbers::kScrambled;
   std::vector<CyclesPass> passes;
+  std::string kept;  // file name of the scene as a .blend, in `renders`; empty: it is not kept
 };
 
 /// `count` seeds for Cycles, 31 bits, hashed from ours (its sampler mixes the seed by XOR: 1, 2, 3 would do

@@ -154,7 +154,10 @@ Validation validate(const Model& model, const Environment& environment, const Va
   // One bar for both sides: the time left is what Cycles took, until ours shows what it takes.
   std::optional<Progress> progress;
   progress.emplace("Cycles and ours", 2 * kStepsOfImage * image_count(scene.passes));
+  if (!settings.kept.empty()) scene.kept = "kept.blend";
   const CyclesSide cycles = render_cycles_side(scene, blender, settings.threads, scratch, &*progress);
+  if (!settings.kept.empty()) std::filesystem::rename(scratch / "renders" / scene.kept, settings.kept);
+  scene.kept.clear();
   v.cycles_cost = cycles.cost;
   v.blender_settings = cycles.settings;
   const OurRenderer renderer(scene);

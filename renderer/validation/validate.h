@@ -29,6 +29,7 @@ struct ValidationSettings {
   uint64_t seed = 1;
   std::filesystem::path blender;  // empty: from PATH
   std::filesystem::path bpy;      // a virtual environment with Blender as a module, instead of a program
+  std::filesystem::path kept;     // where the scene is written as a .blend; empty: nowhere
   ValidationThresholds thresholds;
 };
 
