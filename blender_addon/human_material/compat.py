@@ -68,6 +68,11 @@ def generation():
     return "principled_v2" if bpy.app.version[:2] >= NEW_PRINCIPLED else "principled_v1"
 
 
+def validated_model():
+    """The model of reflection of `openhumanbrdf validate` that equals the Cycles of this Blender, or ""."""
+    return {(3, 4): "v1", (4, 5): "v2"}.get(bpy.app.version[:2], "")
+
+
 # Node trees ---------------------------------------------------------------------------------------------
 
 def node_tree_of(owner):
@@ -278,6 +283,19 @@ def remove_composite(scene, name):
 def path_options():
     """Options of a file property: paths relative to the .blend, where that has to be declared (4.5+)."""
     return {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version[:2] >= (4, 5) else set()
+
+
+def draw_progress(layout, share, text):
+    """A bar from 0 to 1; share None: words alone. Before 4.0 the bar is of characters."""
+    if share is None:
+        layout.label(text=text, icon="SORTTIME")
+    elif hasattr(layout, "progress"):
+        layout.progress(factor=share, text="%.0f %%" % (100 * share))
+        layout.label(text=text)
+    else:
+        done = round(10 * share)
+        layout.label(text="\u2588" * done + "\u2591" * (10 - done) + " %.0f %%" % (100 * share))
+        layout.label(text=text)
 
 
 def user_folder(package):

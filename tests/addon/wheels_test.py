@@ -14,7 +14,7 @@ import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SUITE = ("test_import", "test_material", "test_light", "test_edit", "test_bad_input", "test_guest", "test_garments",
-         "test_studio", "test_files", "test_label_faults", "test_label")
+         "test_studio", "test_files", "test_label_faults", "test_label", "test_tools")
 VALIDATOR = "import bpy, os; print(os.path.join(bpy.utils.system_resource('SCRIPTS'), " \
             "'addons_core', 'bl_pkg', 'cli', 'blender_ext.py'))"
 

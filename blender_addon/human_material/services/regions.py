@@ -5,7 +5,7 @@ import shutil
 import tempfile
 import zlib
 
-from . import programs
+from . import jobs
 from .errors import InputError
 from .labelling import UNLABELLED
 
@@ -43,45 +43,27 @@ def print_of(path):
         return "%08x" % zlib.crc32(file.read())
 
 
-class Saving:
-    """`openhumanbrdf label --strokes` while the artist goes on."""
+def saving(program, scan, strokes, sha256, options, output, finish):
+    """The job of `openhumanbrdf label --strokes`."""
+    folder = tempfile.mkdtemp(prefix="hm_label")
+    file = os.path.join(folder, "strokes.xml")
+    try:
+        write_strokes(file, strokes, sha256)
+    except InputError:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
+    command = [program, "label", scan, "--strokes", file, "-o", output]
+    for option, value in options.items():
+        command += ["--" + option, value] if value else []
+    return jobs.Job("label", "Saving", command, finish, scratch=folder)
 
-    def __init__(self, program, scan, strokes, sha256, options, output):
-        self.output, self.name = output, ""
-        self._folder = tempfile.mkdtemp(prefix="hm_label")
-        try:
-            file = os.path.join(self._folder, "strokes.xml")
-            write_strokes(file, strokes, sha256)
-            command = [program, "label", scan, "--strokes", file, "-o", output]
-            for option, value in options.items():
-                command += ["--" + option, value] if value else []
-            self._run = programs.Run(command)
-        except InputError:
-            shutil.rmtree(self._folder, ignore_errors=True)
-            raise
 
-    def words(self):
-        return self._run.last_words()
-
-    def cancel(self):
-        self._run.cancel()
-
-    def wait(self, timeout_s=None):
-        return self._run.wait(timeout_s)
-
-    def is_done(self):
-        return self._run.is_done()
-
-    def classes(self):
-        """Of each face. Raises InputError with the program's own words."""
-        try:
-            self._run.result()
-        finally:
-            shutil.rmtree(self._folder, ignore_errors=True)
-        path = os.path.join(self.output, "faces.txt")
-        try:
-            with open(path, encoding="ascii") as file:
-                values = [int(line) for line in file]
-        except (OSError, ValueError):
-            raise InputError(path, "", "is no list of classes") from None
-        return [value if 0 <= value < 4 else UNLABELLED for value in values]
+def classes_of(output):
+    """The class of each face in a REGIONS folder."""
+    path = os.path.join(output, "faces.txt")
+    try:
+        with open(path, encoding="ascii") as file:
+            values = [int(line) for line in file]
+    except (OSError, ValueError):
+        raise InputError(path, "", "is no list of classes") from None
+    return [value if 0 <= value < 4 else UNLABELLED for value in values]

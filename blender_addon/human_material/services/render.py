@@ -76,12 +76,21 @@ def check_whole(path):
         os.fsync(file.fileno())
 
 
+def part_of(path):
+    """The name under which a file is written until it is whole."""
+    stem, extension = os.path.splitext(os.path.abspath(path))
+    return "%s.part%d%s" % (stem, os.getpid(), extension)
+
+
+def remove(path):
+    if os.path.exists(path):
+        os.remove(path)
+
+
 def to_file(scene, path):
     """Renders the scene. PNG: 16-bit sRGB, alpha straight; EXR: linear float, alpha premultiplied."""
     check_target(path)
-    path = os.path.abspath(path)
-    stem, extension = os.path.splitext(path)
-    temporary = "%s.part%d%s" % (stem, os.getpid(), extension)
+    temporary = part_of(path)
     before = _set_output(scene, path, temporary)
     try:
         bpy.ops.render.render(write_still=True, scene=scene.name)
@@ -89,41 +98,50 @@ def to_file(scene, path):
         os.replace(temporary, path)
     finally:
         restore_output(scene, before)
-        if os.path.exists(temporary):
-            os.remove(temporary)
+        remove(temporary)
 
 
 def in_window(scene, path, report):
     """Like to_file, in Blender's own render window, with its progress and its Esc. Returns at once; report(words) is
     called when the picture is there, or is not."""
     check_target(path)
-    path = os.path.abspath(path)
-    stem, extension = os.path.splitext(path)
-    temporary = "%s.part%d%s" % (stem, os.getpid(), extension)
+    temporary = part_of(path)
     before = _set_output(scene, path, temporary)
-    handlers = bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel
+    show_render(scene, temporary, path, check_whole, lambda words: (restore_output(scene, before), report(words)),
+                write_still=True)
 
-    def finish():
+
+def show_render(scene, temporary, path, check, finish, **how):
+    """Renders in Blender's render window and returns at once. finish(words) comes when `path` is there, or is not;
+    check(temporary) raises OSError where what was written is not whole. Esc leaves nothing."""
+    cancelled = []
+
+    def end():
         words = "Wrote %s" % path
         try:
-            check_whole(temporary)
+            if cancelled:
+                raise OSError("stopped")
+            check(temporary)
             os.replace(temporary, path)
         except OSError as error:
-            words = "No picture: %s" % error
-        if os.path.exists(temporary):
-            os.remove(temporary)
-        restore_output(scene, before)
-        report(words)
+            words = "%s was not written: %s" % (os.path.basename(path), error)
+        remove(temporary)
+        finish(words)
 
-    def ended(*_):
-        for handler in handlers:
-            if ended in handler:
-                handler.remove(ended)
-        bpy.app.timers.register(finish, first_interval=0.1)   # scenes must not be changed inside the handler
+    def completed(*_):
+        for name, handler in handlers:
+            if handler in getattr(bpy.app.handlers, name):
+                getattr(bpy.app.handlers, name).remove(handler)
+        bpy.app.timers.register(end, first_interval=0.1)   # scenes must not be changed inside the handler
 
-    for handler in handlers:
-        handler.append(ended)
-    bpy.ops.render.render("INVOKE_DEFAULT", write_still=True, scene=scene.name)
+    def stopped(*_):
+        cancelled.append(True)
+        completed()
+
+    handlers = ("render_complete", completed), ("render_cancel", stopped)
+    for name, handler in handlers:
+        getattr(bpy.app.handlers, name).append(handler)
+    bpy.ops.render.render("INVOKE_DEFAULT", scene=scene.name, **how)
 
 
 OUTPUT = ("media_type", "file_format", "color_mode", "color_depth", "exr_codec", "compression")

@@ -61,23 +61,46 @@ def check_target(path):
 
 
 def to_file(scene, path):
-    """Renders the scene's frames into a video, whole or not at all; its output settings stay. In a window it has no
-    progress but Blender's own."""
+    """Renders the scene's frames into a video, whole or not at all; its output settings stay."""
     check_target(path)
-    stem, extension = os.path.splitext(os.path.abspath(path))
-    temporary = "%s.part%d%s" % (stem, os.getpid(), extension)
-    before = render.output_state(scene)
+    temporary = render.part_of(path)
+    before = _set_output(scene, path, temporary)
     try:
-        compat.set_video(scene, *KINDS[extension.lower()])
-        scene.render.filepath, scene.render.use_file_extension = temporary, False
         bpy.ops.render.render(animation=True, scene=scene.name)
-        if not os.path.isfile(temporary) or os.path.getsize(temporary) == 0:
-            raise InputError(path, "", "Blender wrote no video", "was it built with FFmpeg?")
+        _check_video(temporary)
         os.replace(temporary, path)
-    except (TypeError, RuntimeError) as error:
+    except (OSError, RuntimeError) as error:
         raise InputError(path, "", "Blender wrote no video (%s)" % str(error).strip(),
                          "render frames as pictures instead") from None
     finally:
         render.restore_output(scene, before)
-        if os.path.exists(temporary):
-            os.remove(temporary)
+        render.remove(temporary)
+
+
+def in_window(scene, path, report):
+    """Like to_file, in Blender's render window: returns at once, Esc leaves nothing, the frame is what it was."""
+    check_target(path)
+    temporary, frame = render.part_of(path), scene.frame_current
+    before = _set_output(scene, path, temporary)
+
+    def finish(words):
+        render.restore_output(scene, before)
+        scene.frame_set(frame)
+        report(words)
+    render.show_render(scene, temporary, path, _check_video, finish, animation=True)
+
+
+def _set_output(scene, path, temporary):
+    before = render.output_state(scene)
+    try:
+        compat.set_video(scene, *KINDS[os.path.splitext(path)[1].lower()])
+    except TypeError:
+        render.restore_output(scene, before)
+        raise InputError(path, "", "this Blender was built without FFmpeg", "render frames as pictures") from None
+    scene.render.filepath, scene.render.use_file_extension = temporary, False
+    return before
+
+
+def _check_video(path):
+    if not os.path.isfile(path) or os.path.getsize(path) == 0:
+        raise OSError("it wrote nothing")

@@ -3,12 +3,13 @@
 import bpy
 
 from ..services import watch
-from . import (files, garment_operators, label_loop, label_operators, label_paint, label_panels, label_properties, operators,
-               panels, preferences, properties, studio, thumbnails)
+from . import (files, garment_operators, job_loop, label_loop, label_operators, label_paint, label_panels, label_properties,
+               operators, panels, preferences, properties, studio, thumbnails, tool_operators, tool_panels,
+               tool_properties)
 
 #: in the order of the sidebar; settings first
-MODULES = (preferences, label_properties, properties, operators, label_paint, label_operators, garment_operators,
-           label_panels, panels, studio, files)
+MODULES = (preferences, label_properties, tool_properties, properties, job_loop, operators, label_paint, label_operators,
+           garment_operators, tool_operators, label_panels, panels, studio, files, tool_panels)
 CLASSES = tuple(cls for module in MODULES for cls in module.CLASSES)
 
 

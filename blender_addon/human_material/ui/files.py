@@ -72,6 +72,7 @@ def _handler(name, operator, label, extensions):
 
 
 HANDLERS = (_handler("HM_FH_maps", "hm.import_maps", "Human Material Maps", ".json"),
+            _handler("HM_FH_scan", "hm.open_scan", "Scan to Label", ".obj;.glb;.fbx"),
             _handler("HM_FH_environment", "hm.set_environment", "Environment", ".exr;.hdr")) \
     if hasattr(bpy.types, "FileHandler") else ()
 

@@ -4,19 +4,16 @@ import time
 
 import bpy
 
-from ..services import label_session
+from ..services import label_session, regions
 from ..services.errors import InputError
-from . import label_properties
+from . import job_loop, label_properties
 
 EACH_S = 0.05
-saving = []    # regions.Saving that run
 
 
 def say(message, icon="ERROR"):
     """Blender's own report, where no operator is there to make it."""
     print("Human Material: %s" % message)
-    for scene in bpy.data.scenes:
-        scene.hm.label.message = message
     manager = bpy.context.window_manager
     if bpy.app.background or not manager.windows:
         return
@@ -24,11 +21,12 @@ def say(message, icon="ERROR"):
         manager.popup_menu(lambda menu, _: menu.layout.label(text=message), title="Human Material", icon=icon)
 
 
-def redraw():
+def redraw(only_panels=False):
+    """The 3D views; only their sidebars where nothing but words has changed: a view of a scan is slow to draw."""
     for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+        for area in (a for a in window.screen.areas if a.type == "VIEW_3D"):
+            for region in (r for r in area.regions if not only_panels or r.type == "UI"):
+                region.tag_redraw()
 
 
 def greet(item):
@@ -64,30 +62,26 @@ def step():
     changed, new, errors = label_session.poll_all(scene)
     for item in new:
         greet(item)
-    for work in [w for w in saving if w.is_done()]:
-        saving.remove(work)
-        changed = True
-        try:
-            take_over(work)
-        except InputError as error:
-            errors.append(str(error))
     for message in errors:
+        scene.hm.label.message = message
+    for message in errors + job_loop.step():
         say(message)
-    if (changed or saving) and not bpy.app.background:
-        redraw()
+    has_news = job_loop.has_news()
+    if (changed or has_news) and not bpy.app.background:
+        redraw(only_panels=not changed)
     return changed
 
 
-def take_over(work):
+def take_over(name, output):
     """The classes that were saved are those that are shown."""
-    classes = work.classes()
-    session = label_session.sessions.get(work.name)
+    classes = regions.classes_of(output)
+    session = label_session.sessions.get(name)
     differing = 0
     if session is not None and len(session.classes) == len(classes):
         differing = sum(a != b for a, b in zip(session.classes, classes))
         session.take_classes(classes)
-    bpy.context.scene.hm.label.message = "Saved %s" % work.output
-    print("Human Material: saved %s; %d faces differed from the last answer" % (work.output, differing))
+    print("Human Material: saved %s; %d faces differed from the last answer" % (output, differing))
+    return "Saved %s" % output
 
 
 def _tick():
@@ -134,9 +128,7 @@ def unregister():
     for name, handler in _HANDLERS:
         if handler in getattr(bpy.app.handlers, name):
             getattr(bpy.app.handlers, name).remove(handler)
-    for work in saving:
-        work.cancel()
-    saving.clear()
+    job_loop.cancel_all()
     label_session.close_all()
 
 

@@ -5,19 +5,18 @@ import os
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
-from bpy_extras.io_utils import ImportHelper
 from mathutils import Vector
 
 from .. import compat
 from ..services import label_session, regions, scan_object, strokes
 from ..services.errors import InputError
-from . import label_loop, label_paint, label_properties, preferences
-from .operators import Operator
+from . import job_loop, label_loop, label_paint, label_properties, preferences
+from .operators import DroppableOperator, Operator
 
 WAIT_S = 120
 
 
-class HM_OT_open_scan(Operator, ImportHelper):
+class HM_OT_open_scan(DroppableOperator):
     """Open a scan to label it: OBJ, GLB or FBX, as `openhumanbrdf` reads it"""
     bl_idname = "hm.open_scan"
     bl_label = "Open Scan"
@@ -235,28 +234,17 @@ class HM_OT_save_regions(ScanOperator):
         item = context.object
         scan_object.expect_unchanged(item)
         output = os.path.join(bpy.path.abspath(self.directory), self.folder_name)
-        work = regions.Saving(preferences.find("openhumanbrdf"), item[scan_object.SCAN], scan_object.strokes_of(item),
-                              item[scan_object.SHA256], json.loads(item[scan_object.OPTIONS]), output)
-        work.name = item.name
-        if not bpy.app.background:
-            label_loop.saving.append(work)
-            return "Saving %s" % output
-        work.wait(600)
-        label_loop.take_over(work)
-        label_loop.step()
-        return "Saved %s" % output
-
-
-class HM_OT_cancel_saving(bpy.types.Operator):
-    """Stop saving; nothing is left half written"""
-    bl_idname = "hm.cancel_saving"
-    bl_label = "Cancel"
-
-    def execute(self, context):
-        for work in label_loop.saving:
-            work.cancel()
-        return {"FINISHED"}
+        job_loop.expect_free("label")
+        name, tools = item.name, context.scene.hm.tools
+        tools.scan, tools.regions = item[scan_object.SCAN], output   # what the panel Bake reads
+        words = job_loop.start(regions.saving(
+            preferences.find("openhumanbrdf"), item[scan_object.SCAN], scan_object.strokes_of(item),
+            item[scan_object.SHA256], json.loads(item[scan_object.OPTIONS]), output,
+            lambda _: label_loop.take_over(name, output)))
+        if bpy.app.background:
+            label_loop.step()
+        return words
 
 
 CLASSES = (HM_OT_open_scan, HM_OT_label_start, HM_OT_label_tool, HM_OT_label_answer, HM_OT_label_look,
-           HM_OT_save_strokes, HM_OT_save_regions, HM_OT_cancel_saving)
+           HM_OT_save_strokes, HM_OT_save_regions)

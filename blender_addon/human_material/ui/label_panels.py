@@ -5,7 +5,7 @@ import os
 import bpy
 
 from ..services import label_session, scan_object
-from . import label_loop
+from . import job_loop
 from .panels import Panel
 
 
@@ -70,9 +70,7 @@ def draw_saving(layout, context):
     column = layout.column(align=True)
     column.operator("hm.save_strokes", icon="FILE_TICK")
     column.operator("hm.save_regions", icon="FILE_FOLDER")
-    for work in label_loop.saving:
-        layout.label(text=work.words() or "Saving", icon="SORTTIME")
-        layout.operator("hm.cancel_saving", icon="CANCEL")
+    job_loop.draw(layout, "label")
     if context.scene.hm.label.message:
         layout.label(text=context.scene.hm.label.message)
 

@@ -5,7 +5,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 
 from .. import compat
 from ..services import camera, environment, material, relief, render
-from . import label_properties, thumbnails
+from . import label_properties, thumbnails, tool_properties
 
 SUBSURFACE_ITEMS = (
     ("random_walk_skin", "Random walk for skin", "Least noise, keeps details sharp"),
@@ -92,6 +92,7 @@ class HM_PG_scene(bpy.types.PropertyGroup):
     environment_file: EnumProperty(name="Environment", items=thumbnails.items, update=_update_environment,
                                    options={"SKIP_SAVE"}, description="Used last, and of the preferences' folder")
     label: PointerProperty(type=label_properties.HM_PG_label)
+    tools: PointerProperty(type=tool_properties.HM_PG_tools)
     preview_samples: IntProperty(name="Preview Samples", default=16, min=1, soft_max=256, update=_update_samples,
                                  description="Samples a pixel in the viewport")
 

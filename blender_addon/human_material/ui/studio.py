@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Panel "Studio": the photograph behind the person, rigs of lights, videos."""
+import os
+
 import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
@@ -118,8 +120,11 @@ class HM_OT_render_video(Operator):
     def run(self, context):
         path = bpy.path.abspath(self.filepath)
         environment.check_present(context.scene)
-        turntable.to_file(context.scene, path)
-        return "Wrote %s" % path
+        if bpy.app.background:
+            turntable.to_file(context.scene, path)
+            return "Wrote %s" % path
+        turntable.in_window(context.scene, path, print)
+        return "Rendering %s; Esc stops" % os.path.basename(path)
 
 
 class HM_PT_studio(Panel, bpy.types.Panel):

@@ -20,7 +20,7 @@ import support  # noqa: E402,F401
 from support import scene  # noqa: E402
 
 DEFAULT = ("test_import", "test_material", "test_light", "test_edit", "test_bad_input", "test_guest",
-           "test_relight", "test_garments", "test_studio", "test_files", "test_label", "test_label_faults")
+           "test_relight", "test_garments", "test_studio", "test_files", "test_label", "test_label_faults", "test_tools")
 
 
 def main(names):

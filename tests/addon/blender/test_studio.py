@@ -1,13 +1,14 @@
 """Photograph behind the person, shadow on the ground, rigs of lights, videos."""
 import math
 import os
+import unittest.mock
 
 import bpy
 from mathutils import Vector
 from support import image_files, maps_folder, scene as s
 
 from human_material import compat
-from human_material.services import plate, render, rigs
+from human_material.services import plate, render, rigs, turntable
 from human_material.services.maps import read_raster
 
 PERSON = maps_folder.Person(24, 24)
@@ -166,6 +167,35 @@ class Studio(s.Registered):
         self.assertGreater(os.path.getsize(path), 200)
         self.assertEqual(render.output_state(self.scene), before)
         self.assertEqual([n for n in os.listdir(self.folder) if "part" in n], [])
+    def play(self, path, handler):
+        """A render in a window that writes something and ends by a handler; gives the words, as the timer says them."""
+        said, later = [], []
+        def rendered(*_, **how):
+            self.assertTrue(how["animation"])
+            with open(self.scene.render.filepath, "wb") as file:
+                file.write(b"video")
+            for function in list(getattr(bpy.app.handlers, handler)):
+                function(self.scene)
+        with unittest.mock.patch.object(render.bpy, "ops") as ops, \
+                unittest.mock.patch.object(render.bpy.app.timers, "register", lambda f, **_: later.append(f)):
+            ops.render.render.side_effect = rendered
+            turntable.in_window(self.scene, path, said.append)
+        for function in later:
+            function()
+        return said
+
+    def test_a_video_in_a_window_is_there_when_it_is_whole(self):
+        self.prepare()
+        before, counts = render.output_state(self.scene), len(bpy.app.handlers.render_complete)
+        path = os.path.join(self.folder, "a.mp4")
+        self.assertEqual(self.play(path, "render_complete"), ["Wrote %s" % path])
+        stopped = os.path.join(self.folder, "b.mp4")   # Esc
+        self.assertEqual(self.play(stopped, "render_cancel"), ["b.mp4 was not written: stopped"])
+        self.assertEqual([n for n in os.listdir(self.folder) if n.endswith("mp4")], ["a.mp4"])
+        self.assertEqual(render.output_state(self.scene), before)
+        self.assertEqual(len(bpy.app.handlers.render_complete), counts)
+
+    def test_videos_that_cannot_be(self):
         for wrong, words in (("a.avi", "is no video"), ("none/a.mp4", "is no folder")):
             with self.assertRaisesRegex(RuntimeError, words):
                 bpy.ops.hm.render_video(filepath=os.path.join(self.folder, wrong))

@@ -55,9 +55,13 @@ for line in sys.stdin:
 
 def write(folder, fault=""):
     """Writes the program `openhumanbrdf` into the folder; gives its path."""
+    return write_script(folder, SCRIPT, fault=fault)
+
+
+def write_script(folder, script, **values):
     path = os.path.join(folder, "openhumanbrdf")
     with open(path, "w", encoding="utf-8") as file:
-        file.write(SCRIPT.format(python=sys.executable if "blender" not in sys.executable else "/usr/bin/env python3",
-                                 fault=fault))
+        file.write(script.format(python=sys.executable if "blender" not in sys.executable else "/usr/bin/env python3",
+                                 **values))
     os.chmod(path, os.stat(path).st_mode | stat.S_IXUSR)
     return path

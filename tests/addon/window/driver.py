@@ -11,6 +11,11 @@ import traceback
 
 import bpy
 
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+import support  # noqa: E402,F401
+
+import human_material.ui  # noqa: E402
+
 BEAT_S = 0.05
 HANG_S = 120
 
@@ -78,6 +83,15 @@ class Window:
             yield
         self.button("RELEASE")
         yield
+
+    def show_panels(self, *names):
+        """Of the sidebar only these panels of the add-on, open."""
+        for panel in [c for c in human_material.ui.CLASSES if issubclass(c, bpy.types.Panel)]:
+            if hasattr(bpy.types, panel.__name__):
+                bpy.utils.unregister_class(panel)
+            if panel.__name__ in names:
+                panel.bl_options = set(getattr(panel, "bl_options", ())) - {"DEFAULT_CLOSED"}
+                bpy.utils.register_class(panel)
 
     def wait(self, until, what, timeout_s=300):
         end = time.monotonic() + timeout_s

@@ -15,7 +15,7 @@ from bpy_extras import view3d_utils  # noqa: E402
 from mathutils import Vector  # noqa: E402
 
 import human_material  # noqa: E402
-from human_material.services import label_session, programs, scan_object, strokes  # noqa: E402
+from human_material.services import jobs, label_session, programs, scan_object, strokes  # noqa: E402
 from human_material.ui import label_loop, label_operators, label_paint  # noqa: E402
 
 ENOUGH = 0.99
@@ -200,7 +200,7 @@ def compare(window, folder, scan, session):
         bpy.ops.hm.save_strokes("EXEC_DEFAULT", filepath=file)
         bpy.ops.hm.save_regions("EXEC_DEFAULT", directory=folder, folder_name="regions")
     shown = bytes(session.classes)
-    yield from window.wait(lambda: not label_loop.saving, "REGIONS")
+    yield from window.wait(lambda: not jobs.running, "REGIONS")
     yield
     expected = command_line(folder, scan, file)
     differing = sum(a != b for a, b in zip(shown, expected))
