@@ -31,6 +31,7 @@ class Window:
         self.folder, self.x, self.y = folder, 0, 0
         bpy.context.preferences.view.show_splash = False
         bpy.context.preferences.view.ui_scale = 1.0
+        bpy.context.preferences.system.viewport_aa = "OFF"   # else each view is drawn eight times by the processor
 
     @property
     def window(self):
