@@ -28,11 +28,12 @@ std::unique_ptr<FileLock> lock_plan(const Plan& plan, const Layout& layout) {
     lock->wait();  // for one that is just writing down its plan
   }
   const bool is_known = fs::exists(layout.state() / "plan.json");
-  if (!is_known || read_dataset_plan(layout).sha256 != plan.sha256) {
-    if (!is_alone)
-      throw TryAgainError(layout.root.string(), "another `produce` is at work there with another plan",
-                          "wait for it, or choose another -o");
-    write_dataset_plan(layout, plan);
+  if (!is_alone && (!is_known || read_dataset_plan(layout).sha256 != plan.sha256))
+    throw TryAgainError(layout.root.string(), "another `produce` is at work there with another plan",
+                        "wait for it, or choose another -o");
+  if (is_alone) {
+    if (is_known) read_dataset_plan(layout);  // throws if a newer version wrote it
+    write_dataset_plan(layout, plan);         // the same plan may lie elsewhere now
   }
   lock->share();
   lock->wait();

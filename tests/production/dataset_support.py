@@ -69,6 +69,23 @@ class Production(unittest.TestCase):
         plan.write_text(text % (rows, views, size, spp))
         return plan
 
+    finished = {}
+
+    @classmethod
+    def tearDownClass(cls):
+        for folder in cls.finished.values():
+            shutil.rmtree(folder, True)
+        cls.finished.clear()
+
+    def have_produced(self):
+        """The plan's dataset, made once for all tests of a class with this plan: a copy in another folder is as good."""
+        text = self.plan.read_text()
+        if text not in self.finished:
+            self.finished[text] = tempfile.mkdtemp(prefix="ohb-finished-")
+            self.produce("--workers", 2, out=Path(self.finished[text]) / "out")
+        shutil.copytree(Path(self.finished[text]) / "out", self.out, symlinks=True)
+        self.assertEqual(self.produce()["made"], 0)  # of this folder's plan now
+
     def command(self, *more, out=None, plan=None):
         return [PROGRAM, "produce", str(plan or self.plan), "-o", str(out or self.out), "--threads", "2", *map(str, more)]
 

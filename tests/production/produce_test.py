@@ -33,7 +33,7 @@ class Redone(Production):
         self.assertEqual(tree(self.out), before)
 
     def test_a_class_that_only_one_person_wears(self):
-        self.produce()
+        self.have_produced()
         before = tree(self.out)
         specular, _, sss = MATERIALS["leather"]
         self.write_plan(changed={"leather": (specular, 0.3, sss)})
@@ -50,13 +50,13 @@ class Redone(Production):
         self.assertEqual(tree(self.out), before)
 
     def test_a_class_that_nobody_wears(self):
-        self.produce()
+        self.have_produced()
         specular, _, sss = MATERIALS["hair"]
         self.write_plan(changed={"hair": (specular, 0.3, sss)})
         self.assertEqual(self.produce()["made"], 0)
 
     def test_an_environment(self):
-        self.produce()
+        self.have_produced()
         drawn = 0
         for person in "abc":
             listing = json.loads((self.out / "humans" / person / "views/render.json").read_text())
@@ -66,14 +66,14 @@ class Redone(Production):
         self.assertEqual(self.produce()["made"], drawn)
 
     def test_a_scans_picture(self):
-        self.produce()
+        self.have_produced()
         shutil.copy(self.folder / "people/a/colour.png", self.folder / "people/b/old.png")
         from small_scene import png
         png(self.folder / "people/b/colour.png", 32, lambda x, y: (8 * y, 8 * x, 64))
         self.assertEqual(self.produce()["made"], 4)
 
     def test_views_fewer_and_more(self):
-        self.produce()
+        self.have_produced()
         self.write_plan(spp=4)
         self.assertEqual(self.produce()["made"], 12)
         self.write_plan(views=2, spp=4)
@@ -84,7 +84,7 @@ class Redone(Production):
         self.assertEqual(tree(fresh), tree(self.out))
 
     def test_damage(self):
-        self.produce()
+        self.have_produced()
         before = tree(self.out)
         views = self.out / "humans/a/views"
         (views / "view_000.exr").unlink()
@@ -242,7 +242,7 @@ class Trouble(Production):
         self.assertEqual(tree(fresh), tree(self.out))
 
     def test_an_environment_vanished(self):
-        self.produce()
+        self.have_produced()
         (self.folder / "env/noon.hdr").unlink()
         (self.folder / "env/dusk.hdr").unlink()
         self.produce(code=BAD_INPUT)
@@ -256,13 +256,13 @@ class Trouble(Production):
         self.assertEqual([p.name for p in self.out.iterdir()], ["thesis.txt"])
 
     def test_a_newer_version(self):
-        self.produce()
+        self.have_produced()
         (self.out / ".ohb/plan.json").write_text('{"schema": 9, "version": "9.0", "plan": "p", "sha256": ""}')
         self.produce(code=BAD_INPUT)
         self.assertIn("newer version", self.one_line())
 
     def test_a_clock_that_jumps(self):
-        self.produce()
+        self.have_produced()
         for path in [*self.out.rglob("*.exr"), *self.out.rglob("*.json")]:
             os.utime(path, (4e9, 4e9))
         self.assertEqual(self.produce()["made"], 0)

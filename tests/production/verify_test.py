@@ -34,7 +34,7 @@ class Verify(Looks):
     def setUp(self):
         super().setUp()
         self.write_plan(size=32, spp=16)
-        self.produce("--workers", 2)
+        self.have_produced()
 
     def test_all_is_well(self):
         report = self.look("verify", "--json", "--rerender", 12)
