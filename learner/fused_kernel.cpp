@@ -70,24 +70,24 @@ void load(Block<T>& block, LoadedPixel* loaded, const Job<T>& job, const Planes<
     block.u[i] = (static_cast<T>(p % job.width_px) + T(0.5)) * half_px - T(1);
     block.v[i] =
         (T(0.5) * static_cast<T>(job.height_px) - static_cast<T>(p / job.width_px) - T(0.5)) * half_px;
-    block.z[i] = planes.displacement[p];
-    const double x = planes.normal[p], y = planes.normal[p + plane], z = planes.normal[p + 2 * plane];
+    block.z[i] = planes[kDisplacement][p];
+    const double x = planes[kNormal][p], y = planes[kNormal][p + plane], z = planes[kNormal][p + 2 * plane];
     const double length = std::sqrt(x * x + y * y + z * z);
     const bool degenerate = length < kMinLength;
     loaded[i].inv_length = degenerate ? 0 : 1 / length;
     block.nx[i] = static_cast<T>(degenerate ? 0 : x / length);
     block.ny[i] = static_cast<T>(degenerate ? 0 : y / length);
     block.nz[i] = static_cast<T>(degenerate ? 1 : z / length);
-    block.d0[i] = planes.diffuse[p];
-    block.d1[i] = planes.diffuse[p + plane];
-    block.d2[i] = planes.diffuse[p + 2 * plane];
-    loaded[i].roughness_raised = planes.roughness[p] < job.options.min_roughness;
+    block.d0[i] = planes[kDiffuse][p];
+    block.d1[i] = planes[kDiffuse][p + plane];
+    block.d2[i] = planes[kDiffuse][p + 2 * plane];
+    loaded[i].roughness_raised = planes[kRoughness][p] < job.options.min_roughness;
     block.roughness[i] =
-        loaded[i].roughness_raised ? static_cast<T>(job.options.min_roughness) : planes.roughness[p];
-    const F0 f0 = f0_of(planes.specular[p], job.options.specular);
+        loaded[i].roughness_raised ? static_cast<T>(job.options.min_roughness) : planes[kRoughness][p];
+    const F0 f0 = f0_of(planes[kSpecular][p], job.options.specular);
     block.f0[i] = static_cast<T>(f0.value);
     loaded[i].f0_slope = f0.slope;
-    block.sss[i] = planes.sss[p];
+    block.sss[i] = planes[kSss][p];
   }
 }
 
@@ -143,24 +143,24 @@ void store(const Job<T>& job, const Block<T>& block, const LoadedPixel* loaded, 
   const Planes<T*>& out = job.gradient;
   for (int i = 0; i < count; ++i) {
     const size_t p = static_cast<size_t>(pixels[i]);
-    if (out.normal) {
+    if (out[kNormal]) {
       const double nx = block.nx[i], ny = block.ny[i], nz = block.nz[i];
       const double radial = sums.nx[i] * nx + sums.ny[i] * ny + sums.nz[i] * nz;
       const double scale = job.scale * loaded[i].inv_length;
-      out.normal[p] = static_cast<T>(scale * (sums.nx[i] - radial * nx));
-      out.normal[p + plane] = static_cast<T>(scale * (sums.ny[i] - radial * ny));
-      out.normal[p + 2 * plane] = static_cast<T>(scale * (sums.nz[i] - radial * nz));
+      out[kNormal][p] = static_cast<T>(scale * (sums.nx[i] - radial * nx));
+      out[kNormal][p + plane] = static_cast<T>(scale * (sums.ny[i] - radial * ny));
+      out[kNormal][p + 2 * plane] = static_cast<T>(scale * (sums.nz[i] - radial * nz));
     }
-    if (out.diffuse) {
-      out.diffuse[p] = static_cast<T>(job.scale * sums.d0[i]);
-      out.diffuse[p + plane] = static_cast<T>(job.scale * sums.d1[i]);
-      out.diffuse[p + 2 * plane] = static_cast<T>(job.scale * sums.d2[i]);
+    if (out[kDiffuse]) {
+      out[kDiffuse][p] = static_cast<T>(job.scale * sums.d0[i]);
+      out[kDiffuse][p + plane] = static_cast<T>(job.scale * sums.d1[i]);
+      out[kDiffuse][p + 2 * plane] = static_cast<T>(job.scale * sums.d2[i]);
     }
-    if (out.roughness)
-      out.roughness[p] = loaded[i].roughness_raised ? T(0) : static_cast<T>(job.scale * sums.roughness[i]);
-    if (out.specular) out.specular[p] = static_cast<T>(job.scale * loaded[i].f0_slope * sums.f0[i]);
-    if (out.sss) out.sss[p] = static_cast<T>(job.scale * sums.sss[i]);
-    if (out.displacement) out.displacement[p] = static_cast<T>(job.scale * sums.z[i]);
+    if (out[kRoughness])
+      out[kRoughness][p] = loaded[i].roughness_raised ? T(0) : static_cast<T>(job.scale * sums.roughness[i]);
+    if (out[kSpecular]) out[kSpecular][p] = static_cast<T>(job.scale * loaded[i].f0_slope * sums.f0[i]);
+    if (out[kSss]) out[kSss][p] = static_cast<T>(job.scale * sums.sss[i]);
+    if (out[kDisplacement]) out[kDisplacement][p] = static_cast<T>(job.scale * sums.z[i]);
   }
 }
 

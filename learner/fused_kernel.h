@@ -32,13 +32,11 @@ struct F0 {
 };
 F0 f0_of(double specular, SpecularEncoding encoding);
 
-/// Planes of one image. normal and diffuse point to 3 planes, each `plane` values after the other; the others
-/// to one. The normal may have any length: it is normalised here ((0, 0, 1) with gradient 0 below 1e-4).
-/// displacement is in halves of the frame's width. Gradient planes may be null: then not wanted.
+/// Planes of one image, by Plane. kNormal and kDiffuse point to 3 planes, each `plane` values after the
+/// other; the others to one. The normal may have any length: it is normalised here ((0, 0, 1) with gradient 0
+/// below 1e-4). displacement is in halves of the frame's width. Gradient planes may be null: then not wanted.
 template <typename Pointer>
-struct Planes {
-  Pointer normal, diffuse, roughness, specular, sss, displacement;
-};
+using Planes = std::array<Pointer, kPlaneCount>;
 
 template <typename T>
 struct Job {

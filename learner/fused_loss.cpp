@@ -19,23 +19,37 @@ using torch::autograd::Variable;
 using torch::autograd::variable_list;
 
 constexpr double kLightDistance = 2, kFixedIntensity = 5.5, kMinIntensity = 3, kMaxIntensity = 8;
-constexpr int kMapCount = 6;
-constexpr std::array<int, kMapCount> kChannels = {3, 3, 1, 1, 1, 1};
+using shading::kPlaneCount;
 
-std::array<Tensor, kMapCount> tensors_of(const MaterialMaps& maps) {
-  return {maps.normal, maps.diffuse, maps.roughness, maps.specular, maps.sss, maps.displacement};
+/// What the learner calls the maps that the shader reads.
+constexpr std::array<const LearnedMap*, kPlaneCount> shaded_maps() {
+  std::array<const LearnedMap*, kPlaneCount> maps{};
+  for (size_t i = 0; i < kPlaneCount; ++i)
+    for (const LearnedMap& map : kMaps)
+      if (map.name == shading::kPlaneNames[i]) maps[i] = &map;
+  return maps;
+}
+constexpr std::array<const LearnedMap*, kPlaneCount> kShadedMaps = shaded_maps();
+
+/// By shading::Plane.
+using Tensors = std::array<Tensor, kPlaneCount>;
+
+Tensors tensors_of(const MaterialMaps& maps) {
+  Tensors tensors;
+  for (size_t i = 0; i < kPlaneCount; ++i) tensors[i] = maps.*kShadedMaps[i]->tensor;
+  return tensors;
 }
 
 void check(const MaterialMaps& maps, const Tensor& mask, const char* whose) {
-  const auto tensors = tensors_of(maps);
   if (mask.dim() != 4 || mask.size(1) != 1) throw std::invalid_argument("mask is not (B, 1, H, W)");
-  for (int i = 0; i < kMapCount; ++i) {
-    const Tensor& map = tensors[i];
-    if (!map.defined() || map.dim() != 4 || map.size(0) != mask.size(0) || map.size(1) != kChannels[i] ||
-        map.size(2) != mask.size(2) || map.size(3) != mask.size(3))
-      throw std::invalid_argument(std::string("map ") + std::to_string(i) + " of the " + whose +
+  for (const LearnedMap* shaded : kShadedMaps) {
+    const Tensor& map = maps.*shaded->tensor;
+    if (!map.defined() || map.dim() != 4 || map.size(0) != mask.size(0) ||
+        map.size(1) != static_cast<int64_t>(shaded->channels.size()) || map.size(2) != mask.size(2) ||
+        map.size(3) != mask.size(3))
+      throw std::invalid_argument(std::string(shaded->name) + " of the " + whose +
                                   " has another shape than (B, C, H, W) of the mask");
-    if (map.scalar_type() != tensors[0].scalar_type() || !map.device().is_cpu())
+    if (map.scalar_type() != maps.normal.scalar_type() || !map.device().is_cpu())
       throw std::invalid_argument(std::string("maps of the ") + whose +
                                   " differ in type or are not on the CPU");
   }
@@ -52,13 +66,13 @@ std::vector<int32_t> foreground_of(const Tensor& mask) {
 }
 
 template <typename T, typename Pointer>
-shading::Planes<Pointer> planes_of(const std::array<Tensor, kMapCount>& tensors, int64_t image) {
-  const auto at = [&](int map) -> Pointer {
-    if (!tensors[map].defined()) return nullptr;
-    return tensors[map].template data_ptr<T>() +
-           image * kChannels[map] * tensors[map].size(2) * tensors[map].size(3);
-  };
-  return {at(0), at(1), at(2), at(3), at(4), at(5)};
+shading::Planes<Pointer> planes_of(const Tensors& tensors, int64_t image) {
+  shading::Planes<Pointer> planes{};
+  for (size_t i = 0; i < kPlaneCount; ++i)
+    if (tensors[i].defined())
+      planes[i] = tensors[i].template data_ptr<T>() +
+                  image * tensors[i].size(1) * tensors[i].size(2) * tensors[i].size(3);
+  return planes;
 }
 
 /// The job's arguments that are no tensors.
@@ -68,8 +82,8 @@ struct Setting {
 };
 
 template <typename T>
-double run(const std::array<Tensor, kMapCount>& prediction, const std::array<Tensor, kMapCount>& truth,
-           const std::array<Tensor, kMapCount>& gradient, const Tensor& mask, const Setting& setting) {
+double run(const Tensors& prediction, const Tensors& truth, const Tensors& gradient, const Tensor& mask,
+           const Setting& setting) {
   std::vector<std::vector<int32_t>> pixels;
   size_t count = 0;
   for (int64_t b = 0; b < mask.size(0); ++b) {
@@ -100,9 +114,9 @@ class FusedLoss : public torch::autograd::Function<FusedLoss> {
  public:
   static Tensor forward(AutogradContext* context, at::TensorList maps, const MaterialMaps& truth,
                         const Tensor& mask, const Setting& setting) {
-    std::array<Tensor, kMapCount> prediction, wanted = tensors_of(truth), gradient;
+    Tensors prediction, wanted = tensors_of(truth), gradient;
     std::copy(maps.begin(), maps.end(), prediction.begin());
-    for (int i = 0; i < kMapCount; ++i) {
+    for (size_t i = 0; i < kPlaneCount; ++i) {
       if (prediction[i].requires_grad())
         gradient[i] = torch::zeros_like(prediction[i], torch::MemoryFormat::Contiguous);
       prediction[i] = prediction[i].contiguous();
@@ -111,7 +125,7 @@ class FusedLoss : public torch::autograd::Function<FusedLoss> {
     const double loss = maps[0].scalar_type() == torch::kDouble
                             ? run<double>(prediction, wanted, gradient, mask, setting)
                             : run<float>(prediction, wanted, gradient, mask, setting);
-    for (int i = 0; i < kMapCount; ++i) context->saved_data[std::to_string(i)] = gradient[i];
+    for (size_t i = 0; i < kPlaneCount; ++i) context->saved_data[std::to_string(i)] = gradient[i];
     return torch::full({}, loss, maps[0].options().requires_grad(false));
   }
 
@@ -120,12 +134,12 @@ class FusedLoss : public torch::autograd::Function<FusedLoss> {
     auto& saved = context->saved_data;
     if (saved.empty()) throw std::logic_error("fused_rendering_loss: backward may run once");
     variable_list gradients;
-    for (int i = 0; i < kMapCount; ++i) {
+    for (size_t i = 0; i < kPlaneCount; ++i) {
       Tensor gradient = saved.at(std::to_string(i)).toTensor();
       saved.erase(std::to_string(i));
       gradients.push_back(gradient.defined() ? gradient.mul_(outer[0]) : Tensor());
     }
-    gradients.resize(kMapCount + 3);  // truth, mask and setting get none
+    gradients.resize(kPlaneCount + 3);  // truth, mask and setting get none
     return gradients;
   }
 };
@@ -160,7 +174,7 @@ Tensor fused_rendering_loss(const MaterialMaps& prediction, const MaterialMaps& 
   check(truth, mask, "truth");
   if (truth.normal.scalar_type() != prediction.normal.scalar_type())
     throw std::invalid_argument("truth and prediction differ in type");
-  const std::array<Tensor, kMapCount> maps = tensors_of(prediction);
+  const Tensors maps = tensors_of(prediction);
   RECORD_USER_SCOPE("rendering loss");
   return FusedLoss::apply(at::TensorList(maps), truth, mask, Setting{lights, options});
 }

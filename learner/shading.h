@@ -9,11 +9,18 @@
 // identity as a^2 NH^2 + |n x h|^2, which keeps 100 to 5000 times more digits where NH is near 1.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <string_view>
 
 namespace ohb::learner::shading {
 
 constexpr double kPi = 3.14159265358979323846;
+/// The maps that the shader reads, and their names in kMaps (learner/maps.h).
+enum Plane { kNormal, kDiffuse, kRoughness, kSpecular, kSss, kDisplacement, kPlaneCount };
+constexpr std::array<std::string_view, kPlaneCount> kPlaneNames = {"normal",   "diffuse", "roughness",
+                                                                   "specular", "sss",     "displacement"};
+
 /// Cosines at or below this are not lit; also the floor of denominators.
 constexpr double kMinCosine = 1e-4;
 /// Floor of NL + NV in the subsurface lobe, which has 1 / (NL + NV).
