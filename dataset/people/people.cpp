@@ -138,6 +138,9 @@ void write_contact_sheet(const PeopleJob& job, const std::vector<MadePerson>& pe
   for (size_t i = 0; i < people.size(); ++i) {
     const std::string& name = people[i].name;
     const Image image = read_image(job.output / name / (name + "_scan.preview.png"));
+    if (i == 0)  // what the last row leaves empty is grey as the previews' background
+      std::fill(sheet.values.begin(), sheet.values.end(),
+                static_cast<uint8_t>(std::lround(255 * image.pixel(0, 0)[0])));
     const int left = static_cast<int>(i) % columns * width, top = static_cast<int>(i) / columns * tile;
     for (int y = 0; y < tile; ++y)
       for (int x = 0; x < width; ++x) {

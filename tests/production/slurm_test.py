@@ -1,13 +1,15 @@
 """`submit`: on a real Slurm of one node, which the test starts and stops itself, and against commands that only look like
 Slurm's.
 
-usage: slurm_test.py OPENHUMANBRDF [unittest's arguments]
+usage: slurm_test.py OPENHUMANBRDF [HUMANMATERIAL] [unittest's arguments]
 """
 import json
 import os
+import shlex
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
@@ -15,6 +17,8 @@ from pathlib import Path
 
 import slurm_cluster
 from dataset_support import BAD_INPUT, DONE, PROGRAM, TRY_AGAIN, Production, tree
+
+LEARNER = os.path.abspath(sys.argv.pop(1)) if sys.argv[1:2] and sys.argv[1].endswith("humanmaterial") else None
 
 
 def process_with(*wanted):
@@ -115,6 +119,28 @@ class RealSlurm(Submissions):
         self.job = json.loads(self.submit("--json"))["job"]
         self.assertEqual(self.wait_for_end()["done"], 4)
         self.assertEqual(self.produce()["there"], 4)
+
+    @unittest.skipUnless(LEARNER, "humanmaterial was not built")
+    def test_four_ranks_train_one_network(self):
+        """As docs/commands/train.md says; one process alone with the same batch comes to the same loss."""
+        self.produce(out=self.folder / "data")
+        training = ("train", "geometry", "--data", self.folder / "data", "--size", 16, "--width", 0.125, "--batch", 4, "--threads", 1,
+                    "--steps", 2, "--log-every", 1, "-o")
+        command = " ".join(map(shlex.quote, map(str, (LEARNER, *training, self.folder / "ranks"))))
+        port = slurm_cluster.free_ports(1)[0]
+        result = self.cluster.run("srun", "--ntasks", "4", "bash", "-c", "RANK=$SLURM_PROCID WORLD_SIZE=$SLURM_NTASKS "
+                                  "MASTER_ADDR=127.0.0.1 MASTER_PORT=%d GLOO_SOCKET_IFNAME=lo %s" % (port, command))
+        if "cannot do" in result.stdout:
+            self.skipTest("built without Gloo")
+        self.assertEqual(result.returncode, DONE, result.stdout)
+        alone = subprocess.run([LEARNER, *map(str, training), str(self.folder / "alone")], stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT, text=True, timeout=100)
+        self.assertEqual(alone.returncode, DONE, alone.stdout)
+        logs = [map(json.loads, (self.folder / run / "log.jsonl").read_text().splitlines()) for run in ("ranks", "alone")]
+        losses = [[event["loss"] for event in log if "loss" in event] for log in logs]
+        self.assertEqual(len(losses[0]), 2)
+        for with_ranks, without in zip(*losses):
+            self.assertAlmostEqual(with_ranks / without, 1, delta=1e-5)
 
     def test_what_the_cluster_refuses(self):
         self.submit("--tasks", 5, code=BAD_INPUT)
