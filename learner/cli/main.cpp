@@ -75,7 +75,7 @@ int run(int argc, char** argv) {
     flush_results();
     return *code;
   }
-  start_again_with_fast_libraries(argv);
+  if (!app.got_subcommand("relight")) start_again_with_fast_libraries(argv);  // which Blender does alone
   // stdout belongs to results.
   spdlog::set_default_logger(spdlog::stderr_color_mt("humanmaterial"));
   spdlog::set_pattern("%^%l%$: %v");
