@@ -257,22 +257,6 @@ class PrincipledV1 {
   bool is_rough() const { return !has_specular_ || alpha2_ >= kRoughAlpha2; }
   bool is_black() const { return !has_diffuse_ && !has_specular_; }
 
-  /// The highlight alone, and what is not the highlight.
-  PrincipledV1 highlight() const {
-    PrincipledV1 part = *this;
-    part.base_ = {0, 0, 0};
-    part.has_diffuse_ = false;
-    part.diffuse_share_ = part.entry_share_ = 0;
-    return part;
-  }
-  PrincipledV1 without_highlight() const {
-    PrincipledV1 part = *this;
-    part.has_specular_ = false;
-    const float rest = diffuse_share_ + entry_share_;
-    if (rest > 0) part.diffuse_share_ /= rest, part.entry_share_ /= rest;
-    return part;
-  }
-
   /// Factor on what enters the medium, which has the colour.
   float entry_weight() const { return 1; }
   /// The normal that walks are guided along.

@@ -123,22 +123,6 @@ class PrincipledV2 {
 
   bool is_black() const { return !(specular_share_ + diffuse_share_ + medium_share_ + entry_share_ > 0); }
 
-  /// As in v1.
-  PrincipledV2 highlight() const {
-    PrincipledV2 part = *this;
-    part.diffuse_share_ = part.medium_share_ = part.entry_share_ = 0;
-    part.specular_share_ = specular_share_ > 0 ? 1.0f : 0.0f;
-    return part;
-  }
-  PrincipledV2 without_highlight() const {
-    PrincipledV2 part = *this;
-    part.specular_share_ = 0;
-    const float rest = diffuse_share_ + medium_share_ + entry_share_;
-    for (float* share : {&part.diffuse_share_, &part.medium_share_, &part.entry_share_})
-      if (rest > 0) *share /= rest;
-    return part;
-  }
-
   /// Factor on what enters the medium; the medium itself has the colour.
   float entry_weight() const { return entry_weight_; }
 

@@ -13,7 +13,7 @@ struct DirectionCells {
   static constexpr int kSide = 16, kCount = kSide * kSide;
 
   /// The cell of a direction (not 0, of any length).
-  static int of(Vec3f d) {
+  static int cell_of(Vec3f d) {
     const float scale = 1 / (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z));
     const Vec2f p = folded({d.x * scale, d.z * scale}, d.y);
     return index(p.y) * kSide + index(p.x);
@@ -26,19 +26,6 @@ struct DirectionCells {
     const Vec2f q = folded(p, y);
     const Vec3f d{q.x, y, q.y};
     return d / std::sqrt(dot(d, d));
-  }
-  /// Solid angle of a cell, sr, to 1 part in 1e4.
-  static float solid_angle(int cell) {
-    constexpr int kPoints = 8;
-    float sum = 0;
-    for (int i = 0; i < kPoints * kPoints; ++i) {
-      const auto at = [](int k) { return (static_cast<float>(k) + 0.5f) / kPoints; };
-      const Vec3f d = direction(cell, at(i % kPoints), at(i / kPoints));
-      // A point p of the octahedron |x| + |y| + |z| = 1 sees dx dz as dx dz / |p|^3.
-      const float inverse = std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
-      sum += inverse * inverse * inverse;
-    }
-    return sum * 4 / (kPoints * kPoints * kCount);
   }
 
  private:

@@ -19,7 +19,7 @@ struct Ray {
 struct RayCounts {
   uint64_t closest_hit = 0, shadow = 0;
   uint64_t walks = 0, walk_segments = 0, walk_leaks = 0;
-  /// In rays. Walks go eight at once: a segment is worth a quarter of one (measured).
+  /// What was done, counted in rays. Walks go eight at once: a segment is worth a quarter of one (measured).
   double work() const {
     return static_cast<double>(closest_hit + shadow) + 0.25 * static_cast<double>(walk_segments);
   }

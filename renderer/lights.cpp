@@ -141,7 +141,7 @@ void LightPool::fill(const EnvironmentLight& light, double turn_rad, int columns
       const int k = x / groups, shift = static_cast<int>(fraction_of(kLatticeStep * k) * rows);
       const int row = (y - shift + rows) % rows;
       groups_[static_cast<size_t>(row) * groups + x % groups].set(
-          k, wi, sample.radiance, shines ? sample.pdf : 0, with_cells ? DirectionCells::of(wi) : 0);
+          k, wi, sample.radiance, shines ? sample.pdf : 0, with_cells ? DirectionCells::cell_of(wi) : 0);
     }
 }
 

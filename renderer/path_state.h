@@ -6,7 +6,6 @@
 #include <limits>
 #include <vector>
 
-#include "renderer/light_cache.h"
 #include "renderer/lights.h"
 #include "renderer/random_walk.h"
 #include "renderer/shadow_guess.h"
@@ -21,7 +20,6 @@ constexpr int kRoughGroups = 4, kNarrowGroups = 2, kWalkGroups = 2;  // of candi
 constexpr int kPicks = 2;                                            // shadow rays to each of them
 constexpr int kRoughReflections = 3, kNarrowReflections = 4, kWalkReflections = 4;
 constexpr int kRoughReflectionsOfMany = 2;
-constexpr int kHighlightReflections = 6;  // where a cache knows the rest
 constexpr int kWalks = 12, kLeastWalks = 8;
 constexpr int kRouletteFromBounce = 2;  // Cycles: the continuation test starts at the third surface
 
@@ -39,7 +37,7 @@ struct LightNumbers {
   float across;  // shift in the other coordinate
 
   /// Number k of n that spread.
-  LightNumbers of(int k, int n) const {
+  LightNumbers spread(int k, int n) const {
     constexpr float kThirdStep = 0.7548777f;  // of the plastic number: unlike kLatticeStep
     return {lattice_point(along, k, n), fraction_of(across + static_cast<float>(k) * kThirdStep)};
   }
@@ -87,7 +85,6 @@ struct Tile {
   std::vector<LightPool> pools;       // one an environment
   std::vector<WaitingLight> waiting;  // of the pixel at work
   std::vector<PathState> next;        // rays of the pixel at work that are to be traced
-  std::vector<PathState> leaving;     // that are known to meet nothing
   std::vector<PathState> wave;        // that are at their surfaces
   std::vector<Arrival> arrivals;      // of `wave`
   std::vector<Walk> walks;            // that `wave` began
@@ -95,7 +92,6 @@ struct Tile {
   std::deque<WalkMedium> media;       // that they go through
   Vec3f* radiance = nullptr;          // of the pixel at work, one a light
   ShadowGuess* guess = nullptr;       // of the pixel at work; null: none
-  LightCache::Known known{};          // of the surface at work
   RayCounts rays;
   uint64_t paths = 0;
   uint64_t nonfinite = 0;
@@ -110,7 +106,6 @@ struct PathContext {
   int max_bounces;
   bool ends_at_rough_surfaces;
   bool subsurface;
-  const LightCache* cache;  // null: rays find out
 
   Vec3f to_world(Vec3f v) const { return {dot(v, turn_x), v.y, dot(v, turn_z)}; }
 };
@@ -128,15 +123,15 @@ struct Split {
   int picks = 1;   // shadow rays to each group
   int reflections = 1;
   int walks = 1;
-  /// Of all directions that an environment suggests against one that the BSDF draws, in the heuristic;
-  /// infinite: it draws none.
+  /// How much all directions that an environment suggests count in the heuristic against one that the BSDF
+  /// draws; infinite where it draws none.
   float worth = kCandidatesWorth;
 
   Split without_reflections() const {
     return {groups, picks, 0, walks, std::numeric_limits<float>::infinity()};
   }
   /// At the first surface. Each further light makes shadow rays dearer against what they share.
-  static Split of_first(size_t environments, bool is_rough, bool walks_under, bool is_cached) {
+  static Split of_first(size_t environments, bool is_rough, bool walks_under) {
     const int shared = environments <= 1 ? 1 : environments <= 3 ? 2 : 4;
     Split split;
     split.groups = walks_under ? kWalkGroups : is_rough ? kRoughGroups : kNarrowGroups;
@@ -144,10 +139,6 @@ struct Split {
     split.picks = environments <= 1 ? kPicks : 1;
     split.reflections = walks_under ? kWalkReflections : is_rough ? kRoughReflections : kNarrowReflections;
     if (is_rough && !walks_under && environments > 3) split.reflections = kRoughReflectionsOfMany;
-    if (is_cached) {
-      split.picks = 1;
-      if (!is_rough && !walks_under) split.reflections = kHighlightReflections;
-    }
     split.walks = std::max(kLeastWalks, kWalks / shared);
     split.worth *= static_cast<float>(split.groups * split.picks) / static_cast<float>(split.reflections);
     return split;

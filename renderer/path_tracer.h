@@ -11,25 +11,6 @@
 
 namespace ohb::renderer {
 
-/// What is thought of eight directions before rays are sent.
-inline Expected8 expect(const LightCandidates& candidates, const LightCache::Known* known,
-                        const ShadowGuess* guess) {
-  constexpr int kCount = LightCandidates::kCount;
-  Expected8 expected;
-  if (guess) expected = guess->expect(candidates.cell);
-  if (known) {
-    alignas(32) float free[kCount], unknown[kCount];
-    for (int k = 0; k < kCount; ++k) {
-      free[k] = known->free[candidates.cell[k]] ? 1.0f : 0.0f;
-      unknown[k] = known->maybe[candidates.cell[k]] ? 1.0f - free[k] : 0.0f;
-    }
-    const Float8 asks(unknown, stdx::vector_aligned);
-    expected.share = Float8(free, stdx::vector_aligned) + asks * expected.share;
-    expected.doubt *= asks;
-  }
-  return expected;
-}
-
 /// A surface at which a path asks the lights (next-event estimation).
 template <class Bsdf>
 struct LightQuery {
@@ -37,8 +18,7 @@ struct LightQuery {
   const Bsdf& bsdf;
   Vec3f throughput;
   const Split& split;
-  const LightCache::Known* known = nullptr;  // null: no cache
-  ShadowGuess* guess = nullptr;              // null: none
+  ShadowGuess* guess = nullptr;  // null: none
 };
 
 /// What each of eight directions that an environment suggests would bring if nothing stood between, weighted
@@ -110,8 +90,8 @@ void sample_environment(const PathContext& c, size_t l, const LightQuery<Bsdf>& 
   if (!(whole > 0) || !std::isfinite(whole)) return;
   float rays = static_cast<float>(at.split.picks);
   Expected8 expected;
-  if (at.known || at.guess) {
-    expected = expect(candidates, at.known, at.guess);
+  if (at.guess) {
+    expected = at.guess->expect(candidates.cell);
     arrives = {arrives.x + expected.share * value.x, arrives.y + expected.share * value.y,
                arrives.z + expected.share * value.z};
   }
@@ -129,8 +109,8 @@ void sample_lights(const PathContext& c, const LightQuery<Bsdf>& at, const Light
   for (size_t l = 0; l < c.lights.environments.size(); ++l) {
     Vec3f8 arrives{0, 0, 0};
     for (int k = 0; k < at.split.groups; ++k)
-      sample_environment(c, l, at, u.of(k, at.split.groups), arrives, tile);
-    if (at.known || at.guess)
+      sample_environment(c, l, at, u.spread(k, at.split.groups), arrives, tile);
+    if (at.guess)
       add(Vec3f{stdx::reduce(arrives.x), stdx::reduce(arrives.y), stdx::reduce(arrives.z)} /
               static_cast<float>(LightCandidates::kCount),
           tile.radiance[l], tile);
@@ -191,47 +171,10 @@ inline bool bounce_off(const PathContext& c, const SurfacePoint& point, const Bs
   return true;
 }
 
-/// What the cache knows of a surface; null without one.
-inline const LightCache::Known* known_at(const PathContext& c, const SurfacePoint& point, Tile& tile) {
-  if (!c.cache) return nullptr;
-  tile.known = c.cache->known(corners_of(c.scene, point.hit));
-  return &tile.known;
-}
-
-/// A path that reflects goes on: to the environments at once where the cache knows that nothing stands
-/// between.
-inline void send_on(const LightCache::Known* known, const PathState& state, Tile& tile) {
-  if (known && known->free[DirectionCells::of(state.ray.direction)])
-    tile.leaving.push_back(state);
-  else
-    tile.next.push_back(state);
-}
-
 /// Whether a path ends at this surface, and leaves all to the lights' own directions.
 template <class Bsdf>
 bool ends_at(const PathContext& c, const PathState& state, const Bsdf& bsdf) {
-  return (c.cache || (c.ends_at_rough_surfaces && state.bounce == c.max_bounces)) && bsdf.is_rough();
-}
-
-/// What other surfaces send to where a path ends, if the cache has it.
-template <class Bsdf>
-void add_from_surfaces(const PathContext& c, const LightQuery<Bsdf>& at, float lobe, Vec2f u, Tile& tile) {
-  if (!at.known) return;
-  const SurfacePoint& point = at.point;
-  const BsdfSample next = at.bsdf.sample(lobe, u.x, u.y);
-  if (next.enters || !(next.pdf > 0)) return;
-  Vec3f throughput = at.throughput * (next.value / next.pdf);
-  const uint32_t* corners = corners_of(c.scene, point.hit);
-  const float weights[3] = {1 - point.hit.u - point.hit.v, point.hit.u, point.hit.v};
-  if (!next.is_diffuse) {
-    // A highlight shows what stands in its direction.
-    const int cell = DirectionCells::of(next.wi);
-    const float share = c.cache->blocked_share(corners, weights, point.is_back);
-    if (at.known->free[cell] || !(share > 0)) return;
-    throughput *= (at.known->maybe[cell] ? 0.5f : 1.0f) / share;
-  }
-  for (size_t l = 0; l < c.lights.size(); ++l)
-    add(throughput * c.cache->from_surfaces(corners, weights, point.is_back, l), tile.radiance[l], tile);
+  return c.ends_at_rough_surfaces && state.bounce == c.max_bounces && bsdf.is_rough();
 }
 
 /// A path goes under the surface; where it comes out again is up to leave_walks().
@@ -257,8 +200,7 @@ inline PathState branch_of(const PathState& state, int number, int n) {
 template <class Bsdf>
 void reflect_first(const PathContext& c, const LightQuery<Bsdf>& at, float lobe, Vec2f u,
                    const PathState& state, Tile& tile) {
-  static_assert(std::max({kRoughReflections, kNarrowReflections, kWalkReflections, kHighlightReflections}) <=
-                8);
+  static_assert(std::max({kRoughReflections, kNarrowReflections, kWalkReflections}) <= 8);
   float lobes[8];
   Vec2f directions[8];
   BsdfSample next[8];
@@ -270,8 +212,7 @@ void reflect_first(const PathContext& c, const LightQuery<Bsdf>& at, float lobe,
   if (count > 0) at.bsdf.sample(count, lobes, directions, next);
   for (int k = 0; k < count; ++k) {
     PathState one = branch_of(state, k, count);
-    if (!next[k].enters && bounce_off(c, at.point, next[k], at.split.worth, one))
-      send_on(at.known, one, tile);
+    if (!next[k].enters && bounce_off(c, at.point, next[k], at.split.worth, one)) tile.next.push_back(one);
   }
 }
 
@@ -282,13 +223,11 @@ void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, 
              const PathState& state, Tile& tile) {
   PathSampler& sampler = *state.sampler;
   const Vec2f along = sampler.next_pair(), across_and_lobe = sampler.next_pair(), u = sampler.next_pair();
-  Split split =
-      Split::of_first(c.lights.environments.size(), bsdf.is_rough(), walks_under, c.cache != nullptr);
+  Split split = Split::of_first(c.lights.environments.size(), bsdf.is_rough(), walks_under);
   const bool ends = ends_at(c, state, bsdf);
   if (ends) split = split.without_reflections();
-  const LightQuery<Bsdf> query{point, bsdf, state.throughput, split, known_at(c, point, tile), tile.guess};
+  const LightQuery<Bsdf> query{point, bsdf, state.throughput, split, tile.guess};
   sample_lights(c, query, {along, across_and_lobe.x}, tile);
-  if (ends) add_from_surfaces(c, query, across_and_lobe.y, u, tile);
   reflect_first(c, query, across_and_lobe.y, u, state, tile);
   if (!walks_under) return;
   const WalkMedium& medium = tile.media.emplace_back(point.texel);
@@ -298,19 +237,9 @@ void fan_out(const PathContext& c, const SurfacePoint& point, const Bsdf& bsdf, 
                {branch_of(state, split.reflections + k, split.walks), numbers, k, split.walks}, tile);
 }
 
-/// A surface that another shows: what leaves it, as the cache has it.
-inline void add_leaving(const PathContext& c, const Hit& hit, const PathState& state, Tile& tile) {
-  const uint32_t* corners = corners_of(c.scene, hit);
-  const float weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
-  const bool is_back = dot(geometric_normal(c.scene, hit.triangle), state.ray.direction) > 0;
-  for (size_t l = 0; l < c.lights.size(); ++l)
-    add(state.throughput * c.cache->leaving(corners, weights, is_back, l), tile.radiance[l], tile);
-}
-
 /// One surface: what goes on from there comes into tile.next and tile.walks.
 template <class Bsdf>
 void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile) {
-  if (state.bounce > 0 && c.cache) return add_leaving(c, hit, state, tile);
   const Vec3f wo = -state.ray.direction;
   const SurfacePoint point = surface_at(c.scene, hit, wo);
   const bool is_first = state.bounce == 0;
@@ -320,12 +249,6 @@ void scatter(const PathContext& c, const Hit& hit, PathState& state, Tile& tile)
   const bool walks_under = under == UnderSurface::kWalk;
   const Bsdf bsdf = bsdf_at<Bsdf>(point, wo, is_first, under);
   if (bsdf.is_black()) return;
-  if (is_first && c.cache && !walks_under && !bsdf.is_rough()) {
-    // Reflections for the highlight alone: the rest ends here.
-    fan_out(c, point, bsdf.highlight(), false, state, tile);
-    fan_out(c, point, bsdf.without_highlight(), false, state, tile);
-    return;
-  }
   if (is_first) {
     fan_out(c, point, bsdf, walks_under, state, tile);
     return;

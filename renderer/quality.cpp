@@ -8,22 +8,18 @@
 
 #include "dataset/model/stopwatch.h"
 #include "renderer/coarser.h"
-#include "renderer/light_cache.h"
 #include "renderer/paired_pilots.h"
 
 namespace ohb::renderer {
 namespace {
 
-constexpr int kImages = 16, kFirstSpp = 1, kMostSpp = 16, kMostCacheSpp = 64;
+constexpr int kImages = 16, kFirstSpp = 1, kMostSpp = 16;
 constexpr size_t kPilotPixels = 1024;
-constexpr double kAttemptShare = 1.0 / 64;       // of the job's paths
-constexpr double kCacheAttemptShare = 1.0 / 16;  // what may halve the job's time
-constexpr double kCacheShare = 1;                // its rays, of the job's paths: a sixth of the work
+constexpr double kAttemptShare = 1.0 / 64;  // of the job's paths
 constexpr int kLeastWidth_px = 64;
 constexpr double kAlpha = 0.02;  // two-sided: the upper end is a bound of 99 %
 // What earlier kinds may use up of the tolerance, so that later ones have a chance.
-constexpr double kEnvironmentPart = 0.6, kSubsurfacePart = 0.8, kShadowsPart = 0.95, kBouncesPart = 0.95,
-                 kMapsPart = 1;
+constexpr double kEnvironmentPart = 0.6, kSubsurfacePart = 0.8, kBouncesPart = 0.95, kMapsPart = 1;
 
 std::vector<Environment> limited(const std::vector<Environment>& environments, int width_px) {
   std::vector<Environment> result;
@@ -49,8 +45,8 @@ class Variants {
     for (const Environment& e : environments)
       largest_environment_px_ = std::max(largest_environment_px_, e.radiance.width_px);
   }
-  PreparedScene of(const Needs& needs) {
-    PreparedScene prepared{needs, full_scene_, full_scene_, full_lights_, nullptr, {}, 0, 1};
+  PreparedScene prepare(const Needs& needs) {
+    PreparedScene prepared{needs, full_scene_, full_scene_, full_lights_, {}, 0, 1};
     if (needs.map_px < largest_map_px_) {
       if (map_px_ != needs.map_px) small_scene_ = build_scene(with_coarser_maps(model_, needs.map_px));
       map_px_ = needs.map_px;
@@ -61,10 +57,6 @@ class Variants {
         small_lights_ = prepare_lights(limited(environments_, needs.environment_px), points_);
       environment_px_ = needs.environment_px;
       prepared.lights = small_lights_;
-    }
-    if (!needs.shadow_rays) {
-      if (!visibility_) visibility_ = std::make_shared<const VisibilityCache>(*full_scene_);
-      prepared.visibility = visibility_;
     }
     return prepared;
   }
@@ -90,7 +82,6 @@ class Variants {
   const std::vector<Environment>& environments_;
   const std::vector<PointLight>& points_;
   std::shared_ptr<const Scene> full_scene_, small_scene_;
-  std::shared_ptr<const VisibilityCache> visibility_;
   std::shared_ptr<const LightSet> full_lights_, small_lights_, all_environments_;
   int largest_map_px_, largest_environment_px_ = 0;
   int map_px_ = 0, environment_px_ = 0;
@@ -119,7 +110,7 @@ class Choice {
         job_views_(goal.job_views),
         settings_(settings),
         tolerance_(goal.tolerance) {
-    const PreparedScene all = variants_.of(Needs());
+    const PreparedScene all = variants_.prepare(Needs());
     double attempt = 0;  // paths of one, at 1 a pixel
     for (const QualityView& view : views_) {
       const Picture picture({*all.scene, *all.lights, view.camera, view.turn_rad}, settings_);
@@ -127,30 +118,22 @@ class Choice {
       job_paths_ += settings_.spp * static_cast<double>(job_views_) / static_cast<double>(views_.size()) *
                     static_cast<double>(std::count(picture.seen.begin(), picture.seen.end(), 1));
     }
-    for (int spp = kFirstSpp; spp <= kMostCacheSpp; spp *= 4) {
-      if (spp <= kMostSpp && spp * attempt <= kAttemptShare * job_paths_) most_spp_ = spp;
-      if (spp * attempt <= kCacheAttemptShare * job_paths_) most_cache_spp_ = spp;
-    }
-    can_cache_ = VisibilityCache::rays_of(*all.scene) <= kCacheShare * job_paths_;
+    for (int spp = kFirstSpp; spp <= kMostSpp; spp *= 4)
+      if (spp * attempt <= kAttemptShare * job_paths_) most_spp_ = spp;
   }
 
   PreparedScene run() {
     limit_environments();
     if (settings_.subsurface && has_subsurface(model_))
       keeps("subsurface", kSubsurfacePart, [](Needs& needs) { needs.subsurface = false; });
-    if (can_cache_)
-      keeps(
-          "shadow rays and bounces where a cache knows them", kShadowsPart,
-          [](Needs& needs) { needs.shadow_rays = false; }, most_cache_spp_);
     for (const int bounces : {0, 1, 2})
-      if (needs_.shadow_rays && bounces < settings_.max_bounces &&
-          keeps(fmt::format("bounces beyond {}", bounces), kBouncesPart,
-                [&](Needs& needs) { needs.max_bounces = bounces; }))
+      if (bounces < settings_.max_bounces && keeps(fmt::format("bounces beyond {}", bounces), kBouncesPart,
+                                                   [&](Needs& needs) { needs.max_bounces = bounces; }))
         break;
     for (int px = variants_.largest_map() / 2; px >= kLeastWidth_px; px /= 2)
       if (!keeps(fmt::format("maps at {} px", px), kMapsPart, [&](Needs& needs) { needs.map_px = px; }))
         break;
-    PreparedScene prepared = variants_.of(needs_);
+    PreparedScene prepared = variants_.prepare(needs_);
     prepared.tried = tried_;
     prepared.error_high = error_high_;
     prepared.cpu_share = cpu_share_;
@@ -172,7 +155,7 @@ class Choice {
     return result;
   }
   ViewPilots pilots(const Needs& needs, int spp) const {
-    const PreparedScene prepared = variants_.of(needs);
+    const PreparedScene prepared = variants_.prepare(needs);
     RenderSettings settings = prepared.settings_for(settings_);
     // The same rays where nothing is left out: pairs differ by that alone, not by their noise.
     settings.ends_at_rough_surfaces = false;
@@ -220,7 +203,7 @@ class Choice {
     for (int spp = kFirstSpp; spp <= most_spp_ && widths.size() > 1; spp *= 4) {
       const size_t lights = variants_.environment_count();
       const ViewPilots all =
-          pilots(*variants_.of(Needs()).scene, *variants_.all_environments(), settings_, spp);
+          pilots(*variants_.prepare(Needs()).scene, *variants_.all_environments(), settings_, spp);
       found.assign(widths.size() - 1, Omission());
       for (size_t w = 1; w < widths.size(); ++w) {
         found[w - 1].what = fmt::format("environments at {} px", widths[w]);
@@ -239,16 +222,12 @@ class Choice {
 
   template <typename Change>
   bool keeps(const std::string& what, double part, const Change& change) {
-    return keeps(what, part, change, most_spp_);
-  }
-  template <typename Change>
-  bool keeps(const std::string& what, double part, const Change& change, int most_spp) {
     if (most_spp_ == 0) return false;
     Needs needs = needs_;
     change(needs);
     Omission omission{what};
     double cpu_share = 1;
-    for (int spp = kFirstSpp; spp <= most_spp; spp *= 4) {
+    for (int spp = kFirstSpp; spp <= most_spp_; spp *= 4) {
       const ViewPilots& all = reference(spp);
       const ViewPilots without = pilots(needs, spp);
       cpu_share = all.cpu_s > 0 ? without.cpu_s / all.cpu_s : 1;
@@ -272,8 +251,6 @@ class Choice {
   const double tolerance_;
   double job_paths_ = 0;
   int most_spp_ = 0;  // of an attempt; 0: none may be made
-  int most_cache_spp_ = 0;
-  bool can_cache_ = false;
   Needs needs_;
   std::map<int, ViewPilots> references_;
   std::vector<Omission> tried_;
@@ -283,7 +260,6 @@ class Choice {
 }  // namespace
 
 RenderSettings PreparedScene::settings_for(RenderSettings settings) const {
-  settings.visibility = visibility;
   settings.subsurface = settings.subsurface && needs.subsurface;
   if (needs.max_bounces < settings.max_bounces) {
     settings.max_bounces = needs.max_bounces;
@@ -296,8 +272,8 @@ PreparedScene prepare_scene(const Model& model, const std::vector<Environment>& 
                             const std::vector<PointLight>& points, const std::vector<QualityView>& views,
                             const RenderSettings& settings, const QualityGoal& goal) {
   Variants variants(model, environments, points);
-  if (goal.quality == Quality::kReference) return variants.of(Needs());
-  if (goal.quality == Quality::kFast) return variants.of(kFastNeeds);
+  if (goal.quality == Quality::kReference) return variants.prepare(Needs());
+  if (goal.quality == Quality::kFast) return variants.prepare(kFastNeeds);
   return Choice(model, variants, views, settings, goal).run();
 }
 

@@ -18,13 +18,11 @@ enum class Quality {
 /// What is rendered with. A limit that is above what the model or the settings have changes nothing.
 struct Needs {
   bool subsurface = true;  // false: skin reflects diffusely
-  /// false: a cache at the vertices knows most shadows, and what surfaces send each other.
-  bool shadow_rays = true;
   int max_bounces = 1 << 20;
   int environment_px = 1 << 20;  // largest width, by halving
   int map_px = 1 << 20;          // largest width of the model's maps, by halving
 };
-constexpr Needs kFastNeeds{false, true, 1, 256, 1024};
+constexpr Needs kFastNeeds{false, 1, 256, 1024};
 
 /// One thing that was tried to be left out, together with all that was left out before it.
 struct Omission {
@@ -41,10 +39,9 @@ struct PreparedScene {
   std::shared_ptr<const Scene> scene;  // with full maps, for render_maps
   std::shared_ptr<const Scene> lit;    // for render_lights; may be the same
   std::shared_ptr<const LightSet> lights;
-  std::shared_ptr<const VisibilityCache> visibility;  // null: none
-  std::vector<Omission> tried;                        // kAuto
-  double error_high = 0;                              // of all that is left out together
-  double cpu_share = 1;  // processor time of its pilots over the reference's; not deterministic
+  std::vector<Omission> tried;  // kAuto
+  double error_high = 0;        // of all that is left out together
+  double cpu_share = 1;         // processor time of its pilots over the reference's; not deterministic
 
   /// The settings with what is not needed turned off.
   RenderSettings settings_for(RenderSettings settings) const;
@@ -64,13 +61,12 @@ struct QualityGoal {
 };
 
 /// For kAuto, tries in a fixed order: environments of half, a quarter ... of their width (all in one pass),
-/// no subsurface, a cache instead of shadow rays and bounces (if building it takes no more rays than the job
-/// has paths), else fewer bounces; smaller maps. Each is rendered beside the reference with the same random
+/// no subsurface, fewer bounces; smaller maps. Each is rendered beside the reference with the same random
 /// numbers, 16 independent pairs over some 1000 pixels of each view, and told from noise as paired_pilots.h
 /// says. Something is left out only if the interval's upper end is within the tolerance, for all that is left
-/// out together, in every light and view. In doubt the pilots get up to 16 times the paths (64 times for the
-/// cache), as long as one attempt takes no more than 1/64 of the job (`job_views` images of settings.spp
-/// paths), that of the cache 1/16; then it stays. Never uses a clock: the same job makes the same choice.
+/// out together, in every light and view. In doubt the pilots get up to 16 times the paths, as long as one
+/// attempt takes no more than 1/64 of the job (`job_views` images of settings.spp paths); then it stays.
+/// Never uses a clock: the same job makes the same choice.
 PreparedScene prepare_scene(const Model& model, const std::vector<Environment>& environments,
                             const std::vector<PointLight>& points, const std::vector<QualityView>& views,
                             const RenderSettings& settings, const QualityGoal& goal);

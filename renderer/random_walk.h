@@ -108,7 +108,7 @@ struct Walk {
 class WalkLanes {
  public:
   WalkLanes() {
-    // Of lanes that never hold a walk: anything finite.
+    // Lanes that never hold a walk need anything finite.
     for (Value* value : {&t_, &mu_, &depth_}) value->set(Float8(0));
     for (int c = 0; c < 3; ++c) {
       for (Value* value : {&position_[c], &direction_[c], &s_[c], &b_[c], &n_[c], &backward_[c]})

@@ -31,8 +31,6 @@ struct PixelBox {
 /// as Cycles 4.5 has it (v2: layered, keeps energy). docs/conventions.md says what the maps mean to each.
 enum class ShadingModel { kV1, kV2 };
 
-class VisibilityCache;
-
 struct RenderSettings {
   int size_px = 512;     // square image
   int spp = 256;         // paths a pixel, each serving every light
@@ -48,8 +46,6 @@ struct RenderSettings {
   /// Fewer shadow rays to environments where earlier ones of neighbouring pixels tell what to expect
   /// (shadow_guess.h). Unbiased either way; single pixels of few paths may come out a little below 0.
   bool guess_shadows = true;
-  /// Instead of shadow rays to environments and of bounces at rough surfaces; null: rays find out.
-  std::shared_ptr<const VisibilityCache> visibility;
   ShadingModel shading = ShadingModel::kV1;
   bool subsurface = true;  // false: skin reflects diffusely instead
   int map_grid = 8;        // the maps average map_grid x map_grid points a pixel

@@ -25,7 +25,7 @@ constexpr uint64_t kPilotSeeds = 0x70696c6f74ull, kPoolSeeds = 0x706f6f6cull;
 struct PoolBlock {
   uint32_t first, end;
   int log2;  // 2^log2 candidates
-  static PoolBlock of(uint32_t sample, size_t environments) {
+  static PoolBlock around(uint32_t sample, size_t environments) {
     // What a path's own question to one of many environments takes is less.
     const int log2 = environments <= 1 ? kPoolLog2 : kPoolLog2OfMany;
     if (sample == 0) return {0, 1, log2};
@@ -84,7 +84,7 @@ class TileRenderer {
       if (first < last) next = std::min(next, first), end = std::max(end, last);
     });
     while (next < end) {
-      const PoolBlock block = PoolBlock::of(next, tile.pools.size());
+      const PoolBlock block = PoolBlock::around(next, tile.pools.size());
       for (int turn = 0; turn < (paths_.by_class ? kPixelClasses : 1); ++turn) {
         fill_pools(block, turn);
         each_pixel([&](int x, int y, Vec3f* sum) {
@@ -131,7 +131,7 @@ class TileRenderer {
 
   void fill_pools(const PoolBlock& block, int pixel_class) {
     const uint64_t key = mix_bits(paths_.seed ^ (kPoolSeeds + (static_cast<uint64_t>(pixel_class) << 32)));
-    const bool with_cells = picture_.cache != nullptr || picture_.settings.guess_shadows;
+    const bool with_cells = picture_.settings.guess_shadows;
     const int columns_log2 = std::max(3, (block.log2 + 1) / 2);
     const int rows_log2 = std::min(block.log2 / 2, block.log2 - 3);
     for (size_t l = 0; l < tile.pools.size(); ++l)
@@ -252,19 +252,14 @@ struct TileSums {
 }  // namespace
 
 Picture::Picture(const LitView& seen_view, const RenderSettings& render_settings)
-    : cache(render_settings.visibility
-                ? std::make_unique<LightCache>(*render_settings.visibility, seen_view.scene, seen_view.lights,
-                                               seen_view.turn_rad, render_settings.max_bounces)
-                : nullptr),
-      context{seen_view.scene,
+    : context{seen_view.scene,
               seen_view.lights,
               seen_view.turn_rad,
               turn_about_y({1, 0, 0}, -seen_view.turn_rad),
               turn_about_y({0, 0, 1}, -seen_view.turn_rad),
               render_settings.max_bounces,
               render_settings.ends_at_rough_surfaces,
-              render_settings.subsurface,
-              cache.get()},
+              render_settings.subsurface},
       view(seen_view.camera, seen_view.turn_rad, render_settings.size_px),
       settings(render_settings),
       box(settings.crop),

@@ -12,7 +12,6 @@ namespace ohb::renderer {
 struct Picture {
   Picture(const LitView& view, const RenderSettings& settings);
 
-  std::unique_ptr<const LightCache> cache;  // null: none
   PathContext context;
   ViewCamera view;
   const RenderSettings& settings;

@@ -21,7 +21,7 @@ struct SeenShares {
   void add(float share) { sum += share, ++count; }
 };
 
-/// Of eight directions: the share of light that is expected to arrive, and its standard deviation.
+/// The share of light that is expected to arrive along each of eight directions, and its standard deviation.
 struct Expected8 {
   Float8 share = 0, doubt = 1;
 };
@@ -29,8 +29,8 @@ struct Expected8 {
 class ShadowGuess {
  public:
   SeenShares& at(int cell) { return cells_[static_cast<size_t>(cell)]; }
-  /// Of eight cells' directions. Nothing is ever certain: half a ray that arrived, and half a ray that did
-  /// not, count with those seen.
+  /// What is expected along the directions of eight cells. Nothing is ever certain: half a ray that arrived,
+  /// and half a ray that did not, count with those seen.
   Expected8 expect(const uint8_t* cells) const {
     constexpr int kCount = 8;
     alignas(32) float sums[kCount], counts[kCount];

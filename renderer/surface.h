@@ -18,15 +18,10 @@ struct SurfacePoint {
   SurfaceTexel texel;
   uint8_t material_class;
   bool has_normal_map;
-  bool is_back;  // seen from behind the triangle
 };
 
-inline const uint32_t* corners_of(const Scene& scene, const Hit& hit) {
-  return &scene.indices[3 * size_t{hit.triangle}];
-}
-
 inline Vec3f position_at(const Scene& scene, const Hit& hit) {
-  const uint32_t* i = corners_of(scene, hit);
+  const uint32_t* i = &scene.indices[3 * size_t{hit.triangle}];
   return (1 - hit.u - hit.v) * scene.positions[i[0]] + hit.u * scene.positions[i[1]] +
          hit.v * scene.positions[i[2]];
 }
@@ -65,8 +60,7 @@ inline SurfacePoint surface_at(const Scene& scene, const Hit& hit, Vec3f wo) {
   point.n = a.has_normal_map ? mapped_normal(scene, hit, uv, smooth, point.ns) : point.ns;
   point.material_class = a.material_class;
   point.has_normal_map = a.has_normal_map;
-  point.is_back = dot(point.ng, wo) < 0;
-  if (point.is_back) {
+  if (dot(point.ng, wo) < 0) {
     point.ng = -point.ng;
     point.ns = -point.ns;
     point.n = -point.n;

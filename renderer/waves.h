@@ -34,21 +34,8 @@ void trace_wave(const PathContext& c, Tile& tile) {
       for (const EnvironmentLight& light : c.lights.environments) light.prefetch(arrival.place);
     }
   }
-  if (c.cache && tile.wave[0].bounce > 0) return;  // scatter() asks no maps
   for (const Arrival& arrival : tile.arrivals)
     if (arrival.is_hit) prefetch_texels(c.scene, arrival.hit);
-}
-
-/// Paths that are known to meet nothing: what they read comes into the cache before it is asked for.
-inline void leave_scene(const PathContext& c, Tile& tile) {
-  tile.arrivals.resize(tile.leaving.size());
-  for (size_t i = 0; i < tile.leaving.size(); ++i) {
-    tile.arrivals[i].place = map_place(c.to_world(tile.leaving[i].ray.direction));
-    for (const EnvironmentLight& light : c.lights.environments) light.prefetch(tile.arrivals[i].place);
-  }
-  for (size_t i = 0; i < tile.leaving.size(); ++i)
-    add_environments(c, tile.leaving[i], tile.arrivals[i].place, tile);
-  tile.leaving.clear();
 }
 
 /// A path at the end of its ray.
@@ -85,17 +72,12 @@ void leave_walks(const PathContext& c, Tile& tile) {
     const Bsdf bsdf = exit_bsdf_at<Bsdf>(point, exit.direction);
     const bool ends = ends_at(c, path.state, bsdf);
     const Split split = ends ? Split().without_reflections() : Split();
-    const LightQuery<Bsdf> query{point,
-                                 bsdf,
-                                 path.state.throughput,
-                                 split,
-                                 known_at(c, point, tile),
+    const LightQuery<Bsdf> query{point, bsdf, path.state.throughput, split,
                                  path.state.bounce == 0 ? tile.guess : nullptr};
-    sample_lights(c, query, path.numbers.light.of(path.k, path.n), tile);
+    sample_lights(c, query, path.numbers.light.spread(path.k, path.n), tile);
     const Vec2f u = lattice_point(path.numbers.direction, path.k, path.n);
-    if (ends) add_from_surfaces(c, query, 0, u, tile);
     if (!ends && bounce_off(c, point, bsdf.sample(0, u.x, u.y), split.worth, path.state))
-      send_on(query.known, path.state, tile);
+      tile.next.push_back(path.state);
   }
   tile.walks.clear(), tile.walking.clear(), tile.media.clear();
 }
@@ -110,7 +92,6 @@ void trace_paths(const PathContext& c, Tile& tile) {
     trace_wave<kCutouts>(c, tile);
     for (size_t i = 0; i < tile.wave.size(); ++i) arrive<Bsdf>(c, tile.arrivals[i], tile.wave[i], tile);
     if (!tile.walks.empty()) leave_walks<kCutouts, Bsdf>(c, tile);
-    leave_scene(c, tile);
   }
   ask_shadows<kCutouts>(c, tile);
 }

@@ -166,7 +166,6 @@ void add_needs(const RenderJob& job, const renderer::PreparedScene& prepared, Ex
     return value == renderer::Needs().map_px ? "all" : std::to_string(value);
   };
   add("subsurface", needs.subsurface ? "all" : "none");
-  add("shadows", needs.shadow_rays ? "rays" : "cache");
   add("maxBounces", limit(needs.max_bounces));
   add("environment_px", limit(needs.environment_px));
   add("map_px", limit(needs.map_px));
@@ -190,7 +189,6 @@ json quality_json(const RenderJob& job, const renderer::PreparedScene& prepared)
   const auto limit = [](int value) { return value == renderer::Needs().map_px ? json() : json(value); };
   json result = {{"quality", quality_name(job.quality)},
                  {"subsurface", needs.subsurface},
-                 {"shadow_rays", needs.shadow_rays},
                  {"max_bounces", limit(needs.max_bounces)},
                  {"environment_px", limit(needs.environment_px)},
                  {"map_px", limit(needs.map_px)}};

@@ -12,6 +12,17 @@ namespace ohb {
 using namespace renderer;
 namespace {
 
+TEST(DirectionCells, DirectionsLieInTheirCells) {
+  for (int cell = 0; cell < DirectionCells::kCount; ++cell)
+    for (const float u : {0.01f, 0.3f, 0.99f})
+      for (const float v : {0.01f, 0.7f, 0.99f})
+        ASSERT_EQ(DirectionCells::cell_of(DirectionCells::direction(cell, u, v)), cell) << u << " " << v;
+  for (const Vec3f axis : {Vec3f{0, -1, 0}, Vec3f{1, 0, 0}, Vec3f{0, 0, -1}, Vec3f{-0.0f, -1, -0.0f}}) {
+    EXPECT_GE(DirectionCells::cell_of(axis), 0);
+    EXPECT_LT(DirectionCells::cell_of(axis), DirectionCells::kCount);
+  }
+}
+
 TEST(ShadowGuess, IsNeverCertainAndDoubtsLessTheMoreItSaw) {
   ShadowGuess guess;
   uint8_t cells[8] = {0, 1, 2, 3, 4, 5, 6, 255};
