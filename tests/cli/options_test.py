@@ -12,10 +12,6 @@ import unittest
 
 from support import BAD_INPUT, DONE, Programs, run
 
-COMMANDS = ["inspect", "label", "bake", "render", "validate", "people", "produce", "submit", "status", "verify", "environments",
-            "environments import", "environments synthesise", "environments list", "export", "chart",
-            "chart speed-accuracy", "chart stress", "chart bake", "chart bake-stress"]
-LEARNER_COMMANDS = ["train", "evaluate", "stress", "estimate", "relight"]
 NUMBER = re.compile(r"^  (?:-\w,)?(--[\w-]+) (INT|UINT|FLOAT)(?::(\S+?)\.\.([^\s=]+))?", re.MULTILINE)
 BAD_NUMBERS = ["nan", "-nan", "inf", "-inf", "1e999", "-1e999", "1e-999", "1e300", "-1e300", "1e-300", "-1e-300", "x", "",
                " ", "1x", "0x10", "99999999999999999999999", "-99999999999999999999999", "1,5", "--"]
@@ -24,17 +20,19 @@ BAD_NUMBERS = ["nan", "-nan", "inf", "-inf", "1e999", "-1e999", "1e-999", "1e300
 EVERY_NUMBER = bool(os.environ.get("OHB_ENDS"))
 
 
-def all_commands():
-    for command in ["", *COMMANDS]:
-        yield "openhumanbrdf", command.split()
-    if Programs.learner:
-        for command in ["", *LEARNER_COMMANDS]:
-            yield "humanmaterial", command.split()
-
-
 @functools.lru_cache(None)
 def result_of_help(program, *command):
     return run([program, *command, "--help"])
+
+
+@functools.lru_cache(None)
+def all_commands(program=None, command=()):
+    """Each program and command that help names, with what is below it."""
+    if program is None:
+        return sum((all_commands(name) for name in ["openhumanbrdf"] + ["humanmaterial"] * bool(Programs.learner)), [])
+    below = result_of_help(program, *command).stdout.partition("Subcommands:\n")[2].partition("\n\n")[0]
+    return sum((all_commands(program, (*command, name)) for name in re.findall(r"^  (\w\S*)", below, re.MULTILINE)),
+               [(program, command)])
 
 
 class Options(unittest.TestCase):

@@ -1,6 +1,8 @@
 """Reflectance and subsurface scattering mean the same in every generation of the Principled BSDF."""
 import unittest
 
+import bpy
+
 from support import maps_folder, scene as s
 
 from human_material import compat
@@ -79,7 +81,10 @@ class Material(unittest.TestCase):
 
     def test_subsurface_keeps_the_energy_of_diffuse(self):
         """A white room shows the same mean skin with and without scattering. Random walks leave an open sheet: from
-        Blender 4.4 the one of fixed radius comes out 15 % darker."""
+        Blender 4.4 on they come out darker (4.5.0: .88 and .94, means of 12 seeds at 64 samples). At 256 samples a ratio's
+        standard deviation is at most .0125: of 15000 seeds of Blender's one would fail."""
+        loses = bpy.app.version >= (4, 4)
+        kept = {"burley": 1, "random_walk_fixed": 0.88 if loses else 1, "random_walk_skin": 0.94 if loses else 1}
         s.light_up(self.scene, sky=1.0)
         skin = [p for p in s.inside(self.loaded, 1) if self.loaded.shares[4 * p] > 0.9]
         material.set_subsurface_scale(relief.material_of(self.item), 0)
@@ -87,8 +92,8 @@ class Material(unittest.TestCase):
         material.set_subsurface_scale(relief.material_of(self.item), 1)
         for method in compat.SUBSURFACE_METHODS:
             compat.set_subsurface_method(s.principled(self.item), method)
-            ratio = self.mean(s.rendered(self.scene, 64), skin) / without
-            self.assertAlmostEqual(ratio, 1, delta=0.08 if method == "burley" else 0.2, msg=method)
+            ratio = self.mean(s.rendered(self.scene, 256), skin) / without
+            self.assertAlmostEqual(ratio, kept[method], delta=0.05, msg=method)
 
     def mean(self, values, pixels):
         return sum(sum(values[3 * p:3 * p + 3]) for p in pixels) / (3 * len(pixels))
