@@ -9,6 +9,7 @@
 
 #include "dataset/model/colour.h"
 #include "dataset/model/error.h"
+#include "dataset/model/regions.h"
 
 namespace ohb::surface {
 namespace {
@@ -176,16 +177,12 @@ void Resampler::texel_of(int x, int y, float* out) const {
 }
 
 void Resampler::texel(int x, int y, float* out) const {
-  switch (picture_.channels) {
-    case 1:
-      return texel_of<1>(x, y, out);
-    case 3:
-      return texel_of<3>(x, y, out);
-    case 4:
-      return texel_of<4>(x, y, out);
-    default:
-      throw std::logic_error("Resampler: channels");
-  }
+  const int channels = picture_.channels;
+  if (channels == 1) return texel_of<1>(x, y, out);
+  if (channels == 3) return texel_of<3>(x, y, out);
+  if (channels == 4) return texel_of<4>(x, y, out);
+  if (channels == kClassCount) return texel_of<kClassCount>(x, y, out);  // shares of the classes
+  throw std::logic_error("Resampler: channels");
 }
 
 uint8_t Resampler::common_byte(int x, int y, const std::vector<uint8_t>& of_pixel, uint8_t none) const {
