@@ -79,7 +79,7 @@ def _textures(found, size):
 
 
 def _mesh(item, found, size):
-    """(positions, normals, UVs, triangles) as arrays; the relief's axes and unit are glTF's."""
+    """(positions, normals, UVs, triangles) of the front as arrays; the relief's axes and unit are glTF's."""
     mesh = item.data
     positions = array("f", bytes(12 * len(mesh.vertices)))
     mesh.vertices.foreach_get("co", positions)
@@ -99,7 +99,11 @@ def _mesh(item, found, size):
     mesh.calc_loop_triangles()
     triangles = array("i", bytes(12 * len(mesh.loop_triangles)))
     mesh.loop_triangles.foreach_get("vertices", triangles)
-    return positions, normals, uvs, array("I", triangles)
+    sides = array("i", bytes(4 * len(mesh.loop_triangles)))
+    mesh.loop_triangles.foreach_get("material_index", sides)
+    triangles = array("I", [v for k, side in enumerate(sides) if side == 0 for v in triangles[3 * k:3 * k + 3]])
+    count = max(triangles) + 1   # the back's come last
+    return positions[:3 * count], normals[:3 * count], uvs[:2 * count], triangles
 
 
 def glb(item, path):

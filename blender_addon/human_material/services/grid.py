@@ -25,7 +25,7 @@ class Relief:
     pixel_vertices: int = 0                        # the first so many are pixels; the rest are the sheets' edges
 
 
-class _Frame:
+class Frame:
     """From pixel coordinates (row 0 at the bottom) and depth to points and texture coordinates."""
 
     def __init__(self, camera, width, height):
@@ -42,7 +42,7 @@ class _Frame:
 
 def build(displacement_cm, known, width, height, camera, jump_cm=DEFAULT_JUMP_CM):
     """The Relief of the pixels where `known` is 1."""
-    frame = _Frame(camera, width, height)
+    frame = Frame(camera, width, height)
     if vector.np:
         return _build_fast(displacement_cm, known, frame, jump_cm)
     relief = Relief()

@@ -170,6 +170,24 @@ def _output(tree, bsdf, alpha):
     tree.links.new(mix.outputs[0], output.inputs["Surface"])
 
 
+def build_rear(skin, name):
+    """Of the back: throws shadows and light, and is never seen: the camera looks through it."""
+    material = bpy.data.materials.new(name + " back")
+    tree = compat.node_tree_of(material)
+    tree.nodes.clear()
+    color = texture(tree, "rear", skin.node_tree.nodes[NODE + "diffuse"].image, 0)
+    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    tree.links.new(color.outputs["Color"], diffuse.inputs["Color"])
+    clear = tree.nodes.new("ShaderNodeBsdfTransparent")
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    tree.links.new(tree.nodes.new("ShaderNodeLightPath").outputs["Is Camera Ray"], mix.inputs[0])
+    tree.links.new(diffuse.outputs[0], mix.inputs[1])
+    tree.links.new(clear.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], tree.nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
+    compat.set_cut_out(material)
+    return material
+
+
 def set_subsurface_scale(material, factor):
     """Multiplies the subsurface map; 0 turns subsurface scattering off."""
     material.node_tree.nodes[SUBSURFACE_SCALE].inputs[1].default_value = factor

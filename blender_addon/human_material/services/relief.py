@@ -10,7 +10,7 @@ import bpy
 from mathutils import Vector
 
 from .. import compat
-from . import camera, grid, maps, material, vector
+from . import back, camera, grid, maps, material, vector
 
 PROPERTY = "hm_maps"   # custom property of reliefs: the maps folder
 
@@ -20,11 +20,16 @@ def load_into(scene, path, jump_cm=grid.DEFAULT_JUMP_CM, match_camera=True, subs
     loaded = maps.load(path)
     relief = grid.build(loaded.displacement_cm, loaded.known, *loaded.size, loaded.info.camera, jump_cm)
     name = loaded.info.name
+    normals = normals_of(relief, loaded)
+    first_rear = len(relief.faces)
+    add_rear(relief, normals, back.build(loaded))
     item = bpy.data.objects.new(name, mesh_of(relief, name))
-    compat.set_vertex_normals(item.data, normals_of(relief, loaded))
+    compat.set_vertex_normals(item.data, normals)
+    item.data.polygons.foreach_set("material_index", [int(k >= first_rear) for k in range(len(relief.faces))])
     skin = material.build(loaded, name, subsurface_method)
     material.set_visible_scattering(skin, loaded.info.camera.frame_width_cm / loaded.info.width_px)
     item.data.materials.append(skin)
+    item.data.materials.append(material.build_rear(skin, name))
     item.rotation_euler = (math.pi / 2, 0, 0)   # the camera's axes, stood upright
     item.location = (place_beside(scene, item), 0, loaded.info.camera.center_y_cm * grid.CM)
     item[PROPERTY] = loaded.info.folder
@@ -33,6 +38,15 @@ def load_into(scene, path, jump_cm=grid.DEFAULT_JUMP_CM, match_camera=True, subs
     if match_camera:
         camera.match(scene, item)
     return item, loaded
+
+
+def add_rear(relief, normals, rear):
+    """The back's own vertices and faces; its normals are those of its faces."""
+    count = len(relief.vertices)
+    relief.vertices += rear.vertices
+    relief.uvs += rear.uvs
+    relief.faces += [tuple(count + v for v in face) for face in rear.faces]
+    normals += [(0.0, 0.0, 0.0)] * len(rear.vertices)
 
 
 GAP_M = 0.2   # between two persons

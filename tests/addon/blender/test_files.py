@@ -65,7 +65,7 @@ class Files(s.Registered):
         magic, version, total, size, kind = struct.unpack("<4sIII4s", data[:20])
         self.assertEqual((magic, version, total, kind), (b"glTF", 2, len(data), b"JSON"))
         document = json.loads(data[20:20 + size])
-        self.assertEqual(document["accessors"][0]["count"], len(self.item.data.vertices))
+        self.assertEqual(document["accessors"][0]["count"], s.front_vertex_count(self.item))
         binary = data[28 + size:]
         view = document["bufferViews"][4]
         png = binary[view["byteOffset"]:view["byteOffset"] + view["byteLength"]]
@@ -92,8 +92,8 @@ class Files(s.Registered):
         bpy.ops.hm.export_glb(filepath=path)
         done = subprocess.run([program, "inspect", path, "--unit", "m", "--json"], capture_output=True, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.item.data.calc_loop_triangles()
-        self.assertIn(str(len(self.item.data.loop_triangles)), done.stdout)
+        triangles = sum(len(face.vertices) - 2 for face in s.front_faces(self.item))
+        self.assertIn('"triangles": %d,' % triangles, done.stdout)
 
     def test_file_menus_have_entries(self):
         for menu in (bpy.types.TOPBAR_MT_file_import, bpy.types.TOPBAR_MT_file_export):

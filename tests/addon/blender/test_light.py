@@ -15,6 +15,24 @@ PEAK, WIDTH = 4000.0, 64
 TEXEL = 2 * math.pi / WIDTH * (math.cos(math.pi / 2) - math.cos(math.pi / 2 + math.pi / (WIDTH / 2)))
 
 
+class Legs(maps_folder.Person):
+    """Two upright cylinders of 30 cm, their axes 50 cm apart on the centre plane."""
+
+    def across(self, x, y):
+        """From the nearer axis, in radii."""
+        u = 80 * self.place(x, y)[0]
+        return max(-1.0, min(1.0, (u - math.copysign(25, u)) / 15))
+
+    def covered(self, x, y):
+        return abs(self.across(x, y)) < 1 and abs(self.place(x, y)[1]) < 0.8
+
+    def depth_cm(self, x, y):
+        return 15 * math.sqrt(1 - self.across(x, y) ** 2)
+
+    def normal(self, x, y):
+        return (self.across(x, y), 0.0, math.sqrt(1 - self.across(x, y) ** 2))
+
+
 class Ball(maps_folder.Person):
     """A ball, whose pixels hold what is covered of them: means of 8 x 8 points."""
 
@@ -74,6 +92,24 @@ class Light(unittest.TestCase):
             sums["left" if p % width < width / 2 else "right"].append(values[3 * p])
             sums["lower" if p // width < height / 2 else "upper"].append(values[3 * p])
         return {side: sum(v) / len(v) for side, v in sums.items()}
+
+    def test_the_back_throws_a_shadow(self):
+        """Light from the left and from behind passes behind the left leg's front: its back stops it."""
+        person = Legs(64, 64, maps_folder.ORTHOGRAPHIC)
+        item, _ = s.import_person(self.scene, person)
+        s.light_up(self.scene, Vector((-1, 0, -0.35)).normalized())
+        means = []
+        for has_back in (True, False):
+            if not has_back:
+                tree = item.data.materials[1].node_tree
+                mix = next(n for n in tree.nodes if n.type == "MIX_SHADER")
+                tree.links.remove(mix.inputs[0].links[0])
+                mix.inputs[0].default_value = 1   # clear for all rays
+            picture = s.rendered(self.scene, 4, box=True)
+            inner = [p for p in range(64 * 64) if 0.12 < person.place(p % 64, 0)[0] < 0.2 and 20 < p // 64 < 44]
+            means.append(sum(picture[3 * p] for p in inner) / len(inner))
+        self.assertGreater(means[1], 0.01)
+        self.assertLess(means[0], 0.05 * means[1])
 
     def test_one_texel_lights_the_side_it_is_on(self):
         loaded = self.matte(BUMP)

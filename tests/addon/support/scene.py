@@ -109,6 +109,15 @@ def inside(loaded, margin=2):
                    for v in (-margin, 0, margin) for u in (-margin, 0, margin))]
 
 
+def front_faces(item):
+    """Of a relief: without the guessed back."""
+    return [face for face in item.data.polygons if face.material_index == 0]
+
+
+def front_vertex_count(item):
+    return 1 + max(v for face in front_faces(item) for v in face.vertices)
+
+
 def data_counts():
     """How many data blocks of each kind the file holds."""
     return {kind: len(getattr(bpy.data, kind)) for kind in (
