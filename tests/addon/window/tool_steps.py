@@ -141,4 +141,5 @@ def main():
     driver.drive(steps(window, folder, *rest), window)
 
 
-main()
+if __name__ == "__main__":
+    main()
