@@ -7,6 +7,7 @@
 #include "dataset/commands/label.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/atomic_folder.h"
+#include "dataset/model/map_table.h"
 #include "dataset/model/model_identity.h"
 #include "dataset/model/stopwatch.h"
 #include "dataset/model/xml_document.h"
@@ -80,11 +81,16 @@ MaterialTable needed_materials(const Plan& plan, const fs::path& regions) {
 std::string materials_text(const MaterialTable& table) {
   pugi::xml_document document;
   pugi::xml_node root = document.append_child("materials");
-  root.append_attribute("schema") = "1";
-  // In this order since the first version: what `produce` has done is known by this text.
-  root.append_attribute("specular_encoding") = "srgb-f0";
-  root.append_attribute("roughness_encoding") = "perceptual";
-  root.append_attribute("sss_encoding") = "weight-1.0-0.2-0.1-cm";
+  const pugi::xml_attribute schema = root.append_attribute("schema");
+  root.attribute("schema") = "1";
+  for (const MaterialMap& map : kMaterialMaps) {
+    // Specular first, as since the first version: what `produce` has done is known by this text.
+    const std::string name = std::string(map.name) + "_encoding";
+    const bool is_first = map.value == &ClassMaterial::specular;
+    pugi::xml_attribute encoding =
+        is_first ? root.insert_attribute_after(name.c_str(), schema) : root.append_attribute(name.c_str());
+    encoding = map.encoding;
+  }
   append_materials(root, table);
   return xml_text(document);
 }
