@@ -47,8 +47,8 @@ struct BakeOptions {
   std::vector<surface::GreenChannel> green;  // of each of the scan's materials; empty: all up
   bool mends_seams = true;                   // makes the two sides of each seam agree
   bool wants_mips = false;  // writes each map with its mip levels, whose seams are mended too
-  /// Of each of the scan's materials: weights.exr of its REGIONS (the shares of the classes); empty, as a
-  /// whole or for one: borders are hard.
+  /// weights.exr (the shares of the classes) of REGIONS, one for each of the scan's materials; where there is
+  /// none, borders are hard.
   std::vector<std::filesystem::path> class_weights;
   BakeSource source;  // its scan is null: the scan's own pictures
 };

@@ -83,7 +83,7 @@ struct UvMotion {
   Vec3f direction;
   float along;  // dot(normal, direction), kept away from 0
 
-  Vec2f of(Vec3f step) const {
+  Vec2f uv_step(Vec3f step) const {
     const Vec3f in_plane = step - direction * (dot(normal, step) / along);
     const float u = dot(cross(in_plane, edge2), normal) * inverse_squared_area;
     const float v = dot(cross(edge1, in_plane), normal) * inverse_squared_area;
@@ -215,7 +215,7 @@ UvFootprint SourceSurface::footprint_of(uint32_t index, Vec3f across, Vec3f up, 
   const float least = std::sqrt(squared) / kLongestStretch;
   const float along = dot(motion.normal, direction);
   motion.along = squared > 0 ? std::copysign(std::max(std::fabs(along), least), along) : 1;
-  return {motion.of(across), motion.of(up)};
+  return {motion.uv_step(across), motion.uv_step(up)};
 }
 
 Vec3f SourceSurface::mapped_normal(uint32_t index, float u, float v, Vec3f normal, const float* n) const {

@@ -49,7 +49,7 @@ class SourceSurface {
   bool has_alpha() const { return has_alpha_; }
   /// The longest edge of its pictures in pixels; 0 without any.
   int picture_edge_px() const { return picture_edge_px_; }
-  /// Of one triangle, twice its area long; by winding.
+  /// A triangle's normal by its winding, twice its area long.
   Vec3f area_normal(uint32_t triangle) const;
 
   Vec3f position(uint32_t triangle, float u, float v) const;

@@ -50,7 +50,7 @@ class Loader {
     std::exception_ptr error;
   };
   void work();
-  /// Of the n-th example handed out.
+  /// Where in the order of examples the n-th one that is handed out stands.
   uint64_t position_of(uint64_t n) const {
     return settings_.first_position + n / settings_.block * settings_.stride + n % settings_.block;
   }

@@ -9,7 +9,7 @@
 
 namespace ohb::learner {
 
-/// Of one picture, over the pixels with mask > 0.5. NaN where a map that it needs is NaN.
+/// What is measured of one picture, over the pixels with mask > 0.5. NaN where a map that it needs is NaN.
 enum Measure : size_t {
   kNormalMean_deg,    // angle between the normals: its mean
   kNormalMedian_deg,  // its median

@@ -50,7 +50,7 @@ struct StressReport {
   int size_px = 0;
 };
 
-/// Of every chosen view a relief of the true maps is rendered under a sky and a sun (relit_radiance; no
+/// A relief of each chosen view's true maps is rendered under a sky and a sun (relit_radiance; no
 /// subsurface, no back of the person), and the pictures of stress_kinds are made of both.
 /// Throws InputError as evaluate does.
 StressReport run_stress(const StressOptions& options);

@@ -51,7 +51,7 @@ struct QuestionReport {
   std::string now_stroke, rival_stroke;  // elements of strokes.xml that answer it
 };
 
-/// Of labels that were inferred from strokes, or from body, colour and texture.
+/// What is known of labels that were inferred from strokes, or from body, colour and texture.
 struct InferenceReport {
   uint64_t strokes = 0, faces = 0;  // faces: those whose class was inferred
   double confidence = 0;            // mean over their area: the share that may be expected to be right

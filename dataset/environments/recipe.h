@@ -11,8 +11,8 @@ namespace ohb::environments {
 /// Changes when the same seed gives another map.
 constexpr int kSynthesisVersion = 1;
 
-/// Of every ten: one clear sky, one with clouds, one sunset, one overcast, two studios, two of coloured
-/// lamps, two rooms.
+/// Every ten lights have one clear sky, one with clouds, one sunset, one overcast, two studios, two of
+/// coloured lamps, two rooms.
 std::string category_of(uint64_t index);
 
 struct SynthesisedLight {

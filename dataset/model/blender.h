@@ -33,7 +33,7 @@ ProcessResult run_in_blender(const Blender& blender, const std::filesystem::path
                              const std::filesystem::path& scratch,
                              const std::function<void(const std::string&)>& on_line);
 
-/// Of a run that did not end with 0. Throws TryAgainError if a signal ended Blender or it found no memory,
+/// Says why a run did not end with 0. Throws TryAgainError if a signal ended Blender or it found no memory,
 /// else InputError.
 [[noreturn]] void throw_blender_failure(const Blender& blender, const ProcessResult& result);
 

@@ -18,9 +18,9 @@ class GltfMaterials {
 
   /// Reads one; its pictures' UVs are of set uv_set. Throws InputError.
   ScanMaterial read(size_t index);
-  /// Of the material read last: the number of the TEXCOORD that its pictures use.
+  /// The number of the TEXCOORD that the pictures of the material read last use.
   size_t uv_set() const { return uv_set_; }
-  /// Of the material read last: alphaMode OPAQUE, to which no alpha matters.
+  /// Whether the material read last has alphaMode OPAQUE, to which no alpha matters.
   bool ignores_alpha() const { return ignores_alpha_; }
   /// What was seen and not used, once all are read.
   std::vector<std::string> notes() const;

@@ -15,7 +15,7 @@ struct JsonLimits {
   size_t values = size_t{1} << 20;
 };
 
-/// Of lists that grow with the number of views.
+/// Limits for lists that grow with the number of views.
 constexpr JsonLimits kListingLimits{64, size_t{1} << 24};
 
 /// Parses one JSON value. Throws InputError, "name: line 3: what is wrong": not well-formed, over the limits.

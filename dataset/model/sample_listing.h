@@ -14,7 +14,7 @@ namespace ohb {
 /// "view_", at least three digits, ".exr".
 bool is_view_file(const std::filesystem::path& file);
 
-/// Of a view's attributes those that all views of one job share: everything that decides about its pixels but
+/// Those of a view's attributes that all views of one job share: everything that decides about its pixels but
 /// which view it is, and nothing that rendering found out or that was drawn for this view alone (ohb:set...).
 ExrAttributes shared_attributes(const ExrAttributes& attributes);
 
