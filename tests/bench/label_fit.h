@@ -48,7 +48,7 @@ struct PieceSample {
 };
 /// Logistic regressions with a ridge; a piece counts by the root of its area.
 PieceWeights fit_pieces(const std::vector<PieceSample>& samples);
-/// Of each part the share that is right, ascending with the lead (pool adjacent violators).
+/// Of each part the share that is right by the lead: a logistic regression, as knots a unit apart.
 void fit_calibration(const std::vector<LeadSample>& samples, LabelModel& model);
 
 /// The model of each scan, fitted without its person and without those who share a garment. Generated people
