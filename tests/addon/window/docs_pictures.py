@@ -27,8 +27,15 @@ CROP, WIDTH_PX, COLORS = "800x680+250+24", 600, 40
 
 
 def kept(window, name):
-    """The 3D view's right part, small enough for a page."""
+    """The 3D view's right part, small enough for a page; without the paths of this machine."""
+    settings = bpy.context.scene.hm.tools
+    paths = {p.identifier: getattr(settings, p.identifier) for p in settings.bl_rna.properties
+             if p.type == "STRING" and not p.is_readonly}
+    for field, path in paths.items():
+        setattr(settings, field, os.path.basename(path.rstrip(os.sep)))
     yield from window.picture(name)
+    for field, path in paths.items():
+        setattr(settings, field, path)
     folder = os.path.join(window.folder, "docs")
     os.makedirs(folder, exist_ok=True)
     subprocess.run(["convert", os.path.join(window.folder, name + ".png"), "-crop", CROP, "+repage", "-resize",
