@@ -1,8 +1,5 @@
-#include <tbb/global_control.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <memory>
 #include <optional>
 
 #include "dataset/model/atomic_file.h"
@@ -38,10 +35,6 @@ int run_evaluate(Arguments arguments, const CommonOptions& common) {
   o.relit.environments.assign(arguments.environments.begin(), arguments.environments.end());
   if (arguments.no_relight) o.relit.views_a_person = 0;
   use_threads(common.threads);
-  std::unique_ptr<tbb::global_control> limit;  // of the path tracer
-  if (common.threads > 0)
-    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                                  static_cast<size_t>(common.threads));
   learner::warn_of_slow_blas();
   std::optional<AtomicFolder> folder;
   if (!arguments.output.empty()) folder.emplace(arguments.output, "evaluation", inputs_of(arguments));

@@ -1,8 +1,5 @@
-#include <tbb/global_control.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <memory>
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/atomic_folder.h"
@@ -28,10 +25,6 @@ int run(Arguments arguments, const CommonOptions& common) {
   o.data = arguments.data;
   o.seed = common.seed;
   use_threads(common.threads);
-  std::unique_ptr<tbb::global_control> limit;  // of the path tracer
-  if (common.threads > 0)
-    limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
-                                                  static_cast<size_t>(common.threads));
   learner::warn_of_slow_blas();
   std::vector<std::filesystem::path> inputs = o.weights;
   inputs.push_back(o.data);

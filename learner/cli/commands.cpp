@@ -1,5 +1,7 @@
 #include "learner/cli/commands.h"
 
+#include <tbb/global_control.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <thread>
@@ -25,6 +27,10 @@ void use_threads(int threads) {
   // libtorch would count the cores, not the processors, and take one thread on a machine of two.
   torch::set_num_threads(threads > 0 ? threads
                                      : static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
+  if (threads <= 0) return;
+  // Until the end of the process, which is the command's.
+  static auto* const limit = new tbb::global_control(tbb::global_control::max_allowed_parallelism, threads);
+  static_cast<void>(limit);
 }
 
 // Each of these is in its own cmd_<name>.cpp.

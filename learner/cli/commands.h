@@ -29,7 +29,8 @@ void add_common_options(CLI::App& command, CommonOptions& options);
 /// Adds --seed, 0 to `highest_seed`: for the commands that draw random numbers.
 void add_seed_option(CLI::App& command, CommonOptions& options, uint64_t highest_seed = UINT64_MAX);
 
-/// Sets libtorch's threads; called by every command before it computes.
+/// Sets the threads of libtorch and, where `threads` is above 0, of the path tracer (TBB); called once by
+/// every command before it computes.
 void use_threads(int threads);
 
 }  // namespace ohb::learner
