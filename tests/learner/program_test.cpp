@@ -111,7 +111,8 @@ TEST(Program, MatrixProductsRunOnWhatTheProcessorHas) {
   if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) GTEST_SKIP() << "an old processor";
   const TemporaryFolder folder;
   ::setenv("OPENBLAS_VERBOSE", "2", 1);
-  // The arguments are good, so that it starts again with what suits the processor; then the file is not there.
+  // The arguments are good, so that it starts again with what suits the processor; then the file is not
+  // there.
   const Result result = run(folder, {"evaluate", "none", "--data", folder / "data", "-o", folder / "out"});
   ::unsetenv("OPENBLAS_VERBOSE");
   EXPECT_EQ(result.code, 2);
