@@ -98,6 +98,7 @@ def relit(window, folder, light):
     with window.override():
         bpy.ops.hm.import_maps("EXEC_DEFAULT", filepath=os.path.join(maps, "maps.json"))
     item = bpy.context.view_layer.objects.active
+    bpy.context.scene.camera.hide_set(True)     # it stands before the person
     for name, panels in (("maps", ["HM_PT_maps"]), ("render", ["HM_PT_render"]), ("export", ["HM_PT_export"])):
         window.show_panels(*panels)
         yield from fronted(window)
@@ -120,7 +121,12 @@ def relit(window, folder, light):
     with window.override():
         bpy.ops.hm.add_ground("EXEC_DEFAULT")
         bpy.ops.hm.light_rig("EXEC_DEFAULT", kind="THREE_POINT")
-        bpy.ops.view3d.view_all()
+    for light in [o for o in bpy.data.objects if o.type == "LIGHT"]:
+        light.hide_set(True)
+    shading.use_scene_world = False
+    bpy.context.view_layer.objects.active = item
+    item.select_set(True)
+    yield from fronted(window)
     yield from kept(window, "studio")
 
 
