@@ -8,6 +8,7 @@
 
 #include "bake/bake.h"
 #include "tests/bake/test_scans.h"
+#include "tests/support/paths.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -106,8 +107,7 @@ double difference_of(const Pixels& level, const std::vector<std::pair<UvPair, Uv
 }
 
 TEST(ShippedMips, SidesOfSeamsAgreeAtEachLevel) {
-  const Scan scan =
-      read_scan(std::filesystem::path(OHB_SOURCE_DIR) / "assets/example_human/example_human.glb");
+  const Scan scan = read_scan(source_path("assets/example_human/example_human.glb"));
   const MaterialTable table{};
   const TemporaryFolder folder;
   BakeOptions options;

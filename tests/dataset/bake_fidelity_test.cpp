@@ -8,6 +8,7 @@
 
 #include "dataset/commands/label.h"
 #include "dataset/commands/source_materials.h"
+#include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/tube_person.h"
 
@@ -66,7 +67,7 @@ void expect_equal_at_own_size_only(const BakeInputs& inputs) {
 
 TEST(BakeFidelity, ExampleHuman) {
   const TemporaryFolder folder;
-  const fs::path human = fs::path(OHB_SOURCE_DIR) / "assets/example_human";
+  const fs::path human = source_path("assets/example_human");
   LabelJob label;
   label.scan = human / "example_human.glb";
   label.faces = human / "example_human.labels.txt";

@@ -3,6 +3,7 @@
 
 #include "dataset/studies/bake_stress.h"
 #include "dataset/studies/bake_stress_scenes.h"
+#include "tests/support/paths.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/test_files.h"
 
@@ -13,8 +14,7 @@ using namespace surface;
 namespace {
 
 std::vector<BakeStressCase> catalogue() {
-  return read_bake_stress_catalogue(std::filesystem::path(OHB_SOURCE_DIR) /
-                                    "assets/stress/bake_catalogue.json");
+  return read_bake_stress_catalogue(source_path("assets/stress/bake_catalogue.json"));
 }
 
 TEST(BakeStressCatalogue, EveryCaseIsWithinItsLimits) {

@@ -6,6 +6,7 @@
 
 #include "dataset/model/scan.h"
 #include "tests/support/compressed_gltf.h"
+#include "tests/support/paths.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -80,9 +81,8 @@ TEST(GltfGeometry, PointsLieWhereBlenderPutsThem) {
   const std::vector<std::pair<std::string, GlbBuilder>> files{{"converted", converted_rig()},
                                                               {"morphed", morphed}};
   const TemporaryFolder folder;
-  std::string command = "blender -b --factory-startup -noaudio -P " OHB_SOURCE_DIR
-                        "/tests/dataset/blender_look.py -- " +
-                        folder.path().string();
+  std::string command = "blender -b --factory-startup -noaudio -P " +
+                        source_path("tests/dataset/blender_look.py") + " -- " + folder.path().string();
   for (const auto& [name, glb] : files)
     command += " " + write_bytes(folder / (name + ".glb"), glb.bytes()).string();
   ASSERT_EQ(std::system((command + " > /dev/null 2>&1").c_str()), 0);

@@ -11,6 +11,7 @@
 #include "dataset/model/atomic_file.h"
 #include "dataset/surface/picture.h"
 #include "tests/support/gltf_files.h"
+#include "tests/support/paths.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -156,9 +157,8 @@ TEST(GltfMaterials, LookAsBlenderShowsThem) {
       {"blended", blended("BLEND", 0.5f, 4)},
       {"clear", blended("BLEND", 0.05f, 3)}};
   const TemporaryFolder folder;
-  std::string command = "blender -b --factory-startup -noaudio -P " OHB_SOURCE_DIR
-                        "/tests/dataset/blender_look.py -- " +
-                        folder.path().string();
+  std::string command = "blender -b --factory-startup -noaudio -P " +
+                        source_path("tests/dataset/blender_look.py") + " -- " + folder.path().string();
   for (const auto& [name, glb] : files)
     command += " " + write_bytes(folder / (name + ".glb"), glb.bytes()).string();
   ASSERT_EQ(std::system((command + " > /dev/null 2>&1").c_str()), 0);

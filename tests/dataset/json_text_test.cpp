@@ -7,6 +7,7 @@
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/xml_document.h"
+#include "tests/support/paths.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -55,7 +56,7 @@ TEST(JsonText, NothingGoesAroundIt) {
   // Tests may read what they wrote themselves.
   const std::regex direct("json::parse\\(|Json::parse\\(|\\.dump\\(|json::accept\\(|sax_parse\\(|>> *json");
   for (const char* folder : {"bake", "dataset", "learner", "renderer"})
-    for (const auto& entry : fs::recursive_directory_iterator(fs::path(OHB_SOURCE_DIR) / folder)) {
+    for (const auto& entry : fs::recursive_directory_iterator(source_path(folder))) {
       const std::string name = entry.path().filename().string();
       if (!entry.is_regular_file() || name == "json_text.cpp" || name == "json_text.h") continue;
       if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;

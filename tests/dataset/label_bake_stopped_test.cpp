@@ -9,6 +9,7 @@
 #include "dataset/commands/label.h"
 #include "dataset/model/error.h"
 #include "tests/dataset/labelled_square.h"
+#include "tests/support/paths.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/test_files.h"
 
@@ -21,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string kProgram = OHB_BINARY_DIR "/bin/openhumanbrdf";
+const std::string kProgram = program_path("openhumanbrdf");
 
 /// Starts `openhumanbrdf bake` of the square in a process of its own, which may write files of that size
 /// only.

@@ -3,6 +3,7 @@
 
 #include "dataset/commands/label_report.h"
 #include "tests/bench/robot_stress.h"
+#include "tests/support/paths.h"
 #include "tests/support/tube_person.h"
 
 namespace ohb {
@@ -19,8 +20,7 @@ TEST(LabelStress, CasesAreWithinTheirLimitsAndTheLimitsBite) {
     if (y < 85) person.truth[f] = kLeather;
   }
   const RobotHuman human{"tube", person.scan, person.truth, face_areas(person.scan), {}};
-  std::vector<RobotStressCase> cases =
-      read_robot_stress(std::filesystem::path(OHB_SOURCE_DIR) / "assets/stress/label_catalogue.json");
+  std::vector<RobotStressCase> cases = read_robot_stress(source_path("assets/stress/label_catalogue.json"));
   ASSERT_EQ(cases.size(), 3u);
   cases[2].points.resize(2);  // the tube's picture is 256 px wide
   for (const RobotStressResult& r : run_robot_stress(cases, {human}, 8))

@@ -8,6 +8,7 @@
 
 #include "dataset/commands/label.h"
 #include "dataset/model/scan_unit.h"
+#include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/tube_person.h"
 
@@ -200,8 +201,7 @@ LabelledScan read_labelled(const std::filesystem::path& file) {
 
 /// Its jacket is leather, which only the user knows. Measured: 99.4 % with the answers.
 TEST(Labeller, KnowsTheExampleHumanOnceItsQuestionsAreAnswered) {
-  const LabelledScan human =
-      read_labelled(std::filesystem::path(OHB_SOURCE_DIR) / "assets/example_human/example_human.glb");
+  const LabelledScan human = read_labelled(source_path("assets/example_human/example_human.glb"));
   Labeller labeller(human.scan, 100);
   std::vector<Stroke> answers;
   for (const GarmentQuestion& question : labeller.solve({}).questions) {

@@ -8,6 +8,7 @@
 
 #include "dataset/model/atomic_file.h"
 #include "tests/support/fbx_files.h"
+#include "tests/support/paths.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_files.h"
@@ -244,8 +245,8 @@ TEST(ScanFiles, BlendersGlbAndFbxOfAnObjAreTheSameScan) {
   write_bytes(folder / "m.mtl", "newmtl red\nmap_Kd p.png\nnewmtl blue\nmap_Kd p.png\n");
   const int n = 12;
   write_bytes(folder / "sheet.obj", sheet_obj(n));
-  const std::string command = "blender -b --factory-startup -noaudio -P " OHB_SOURCE_DIR
-                              "/tests/dataset/convert_scan.py -- " +
+  const std::string command = "blender -b --factory-startup -noaudio -P " +
+                              source_path("tests/dataset/convert_scan.py") + " -- " +
                               (folder / "sheet.obj").string() + " " + (folder / "sheet.glb").string() + " " +
                               (folder / "sheet.fbx").string() + " > /dev/null 2>&1";
   ASSERT_EQ(std::system(command.c_str()), 0);

@@ -19,6 +19,7 @@
 #include "dataset/studies/stress.h"
 #include "tests/support/fbx_files.h"
 #include "tests/support/foreign_files.h"
+#include "tests/support/paths.h"
 #include "tests/support/picture_files.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/test_models.h"
@@ -240,7 +241,7 @@ void add_outputs(const fs::path& scratch, std::vector<FuzzedReader>& readers) {
 }
 
 void add_catalogues(std::vector<FuzzedReader>& readers) {
-  const fs::path stress = fs::path(OHB_SOURCE_DIR) / "assets/stress";
+  const fs::path stress = source_path("assets/stress");
   readers.push_back({"BakeCatalogue",
                      {{"c.json", read_file(stress / "bake_catalogue.json")}},
                      1,

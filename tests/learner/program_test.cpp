@@ -6,6 +6,7 @@
 #include "learner/checkpoint.h"
 #include "test_program.h"
 #include "test_samples.h"
+#include "tests/support/paths.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -55,7 +56,7 @@ TEST(Program, PresetsAreOptionsThatOthersGoBefore) {
 TEST(Program, ResultsThatNobodyGetsAreNoSuccess) {
   for (const char* option : {" --version", " train --help"}) {
     const int status =
-        std::system((std::string(OHB_HUMANMATERIAL) + option + " > /dev/full 2> /dev/null").c_str());
+        std::system((program_path("humanmaterial") + option + " > /dev/full 2> /dev/null").c_str());
     ASSERT_TRUE(WIFEXITED(status));
     EXPECT_EQ(WEXITSTATUS(status), 75) << option;
   }

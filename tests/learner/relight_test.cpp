@@ -9,6 +9,7 @@
 #include "dataset/model/image.h"
 #include "test_maps_folder.h"
 #include "test_program.h"
+#include "tests/support/paths.h"
 
 namespace ohb {
 namespace {
@@ -39,7 +40,7 @@ void expect_refusal(const TemporaryFolder& folder, std::vector<std::string> argu
 TEST(Relight, WritesThePictureAndSaysSo) {
   TemporaryFolder folder;
   write_ball_maps(folder / "maps", 24);
-  const std::string studio = std::string(OHB_SOURCE_DIR) + "/assets/environments/studio.exr";
+  const std::string studio = source_path("assets/environments/studio.exr");
   std::vector<std::string> command = {"relight",
                                       folder / "maps",
                                       "--environment",

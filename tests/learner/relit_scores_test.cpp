@@ -9,6 +9,7 @@
 
 #include "learner/relief.h"
 #include "test_samples.h"
+#include "tests/support/paths.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -163,7 +164,7 @@ TEST(RelitScores, OfBrokenMapsAreNoNumbers) {
 TEST(RelitScores, NamesEnvironmentsAndWhatIsWrong) {
   TemporaryFolder folder;
   RelitOptions options = few_paths();
-  const std::string sunset = std::string(OHB_SOURCE_DIR) + "/assets/environments/sunset.exr";
+  const std::string sunset = source_path("assets/environments/sunset.exr");
   options.environments = {sunset, sunset};
   expect_message(input_error_of([&] { RelitScores{options}; }), {"sunset.exr", "named 'sunset' too"});
   options.environments = {folder / "none.exr"};

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "dataset/model/atomic_file.h"
+#include "tests/support/paths.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -25,7 +26,7 @@ class Program {
  public:
   Program(const TemporaryFolder& folder, const std::vector<std::string>& arguments)
       : out_(folder / "stdout"), error_(folder / "stderr") {
-    std::vector<std::string> all = {OHB_HUMANMATERIAL};
+    std::vector<std::string> all = {program_path("humanmaterial")};
     all.insert(all.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& a : all) argv.push_back(a.data());

@@ -12,6 +12,7 @@
 #include "dataset/model/regions.h"
 #include "dataset/surface/texel_coverage.h"
 #include "tests/people/tiny_assets.h"
+#include "tests/support/paths.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/test_files.h"
 
@@ -138,7 +139,7 @@ TEST(People, SocksOfLeatherShoesAreFabric) {
 TEST(People, BalancedMeansHalfWomenAndSixGroups) {
   const TemporaryFolder folder;
   const TinyAssets tiny(folder / "assets");
-  const Assets assets(folder / "assets", fs::path(OHB_SOURCE_DIR) / "assets/wardrobe.json");
+  const Assets assets(folder / "assets", source_path("assets/wardrobe.json"));
   std::map<std::pair<bool, int>, int> counts;
   std::set<std::string> names;
   DrawOptions options;

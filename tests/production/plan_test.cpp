@@ -7,6 +7,7 @@
 #include "dataset/model/error.h"
 #include "dataset/production/shard.h"
 #include "tests/production/plan_folder.h"
+#include "tests/support/paths.h"
 
 namespace ohb::production {
 namespace {
@@ -104,7 +105,7 @@ TEST(Plan, ALibraryOfEnvironmentsIsAFolderOfThem) {
 }
 
 TEST(Plan, TheBundledOneIsRead) {
-  const Plan plan = read_plan(fs::path(OHB_SOURCE_DIR) / "assets/plans/small.xml");
+  const Plan plan = read_plan(source_path("assets/plans/small.xml"));
   EXPECT_EQ(plan.people.size(), 1u);
   EXPECT_EQ(plan.set_count(), 4u);
 }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "dataset/studies/stress_scenes.h"
+#include "tests/support/paths.h"
 #include "tests/support/scan_files.h"
 #include "tests/support/test_files.h"
 
@@ -16,7 +17,7 @@ using namespace studies;
 namespace {
 
 std::vector<StressCase> catalogue() {
-  return read_stress_catalogue(std::filesystem::path(OHB_SOURCE_DIR) / "assets/stress/catalogue.json");
+  return read_stress_catalogue(source_path("assets/stress/catalogue.json"));
 }
 
 TEST(Stress, EveryCaseIsWithinItsLimits) {

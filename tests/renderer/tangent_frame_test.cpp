@@ -1,5 +1,6 @@
 // Our MikkTSpace against Blender's, corner by corner.
 #include "dataset/model/tangent_frame.h"
+#include "tests/support/paths.h"
 
 #include <gtest/gtest.h>
 
@@ -196,13 +197,13 @@ TEST(TangentFrame, EqualsBlender) {
                              {"slivers", slivers()},     {"zero_uv_area", zero_uv_area()},
                              {"zero_area", zero_area()}, {"non_manifold", non_manifold()}};
   for (const char* name : {"m48_suit", "f25_casual"}) {
-    const fs::path file = fs::path(OHB_SHARED_DATA) / "humans" / name / (std::string(name) + ".obj");
+    const fs::path file = fs::path(shared_data_path("humans")) / name / (std::string(name) + ".obj");
     if (fs::exists(file)) cases.push_back({name, read_parts(file)});
   }
   const fs::path folder = fs::path(testing::TempDir()) / "ohb_tangents";
   fs::remove_all(folder);
-  std::string command = "blender -b -noaudio --factory-startup --python-exit-code 1 --python '" OHB_SOURCE_DIR
-                        "/tests/renderer/dump_tangents.py' --";
+  std::string command = "blender -b -noaudio --factory-startup --python-exit-code 1 --python '" +
+                        source_path("tests/renderer/dump_tangents.py") + "' --";
   for (const Case& test : cases) {
     write_case(folder / test.name, test.model);
     command += " '" + (folder / test.name).string() + "'";

@@ -221,6 +221,18 @@ def too_long(root):
     return wrong
 
 
+def paths_in_definitions(root):
+    """One line for each definition that holds a path of this machine: the compiler cache of another folder would miss."""
+    wrong = []
+    for path in sorted(root.rglob("CMakeLists.txt")):
+        if path.relative_to(root).parts[0] == "build":
+            continue
+        for arguments in re.findall(r"(?:target_compile|add_compile|COMPILE)_DEFINITIONS?\b([^)]*\))", read(path), re.I):
+            for found in re.findall(r"\w+=\S*(?:_DIR|SHARED_DATA|TARGET_FILE)\b", arguments):
+                wrong.append("%s: %s" % (path.relative_to(root), found))
+    return wrong
+
+
 def long_functions(root, limit):
     """One line for each function of the product above `limit` lines."""
     return ["%s:%d: %d lines" % (name, line, count)

@@ -35,6 +35,9 @@ class Tree(unittest.TestCase):
     def test_files_and_functions_are_short(self):
         self.nothing(structure.too_long(ROOT))
 
+    def test_no_definition_holds_a_path(self):
+        self.nothing(structure.paths_in_definitions(ROOT))
+
     def test_few_functions_are_above_40_lines(self):
         found = structure.long_functions(ROOT, 40)
         self.assertLessEqual(len(found), MOST_LONG_FUNCTIONS, "\n" + "\n".join(found))
@@ -94,6 +97,12 @@ class Planted(unittest.TestCase):
         self.assertEqual(structure.types_of_one_name(self.root), [])
         self.write("bake/c.cpp", "namespace ohb {\nnamespace low {\nstruct B {};\n}  // namespace low\n}  // namespace ohb\n")
         self.assertEqual(structure.types_of_one_name(self.root), ["ohb::low::B is defined in dataset/a.h and bake/c.cpp"])
+
+    def test_a_path_in_a_definition(self):
+        self.write("tests/CMakeLists.txt", 'target_compile_definitions(t PRIVATE A=1 B="${PROJECT_SOURCE_DIR}"\n'
+                                           '                           C="$<TARGET_FILE:t>")\n')
+        self.assertEqual(structure.paths_in_definitions(self.root),
+                         ['tests/CMakeLists.txt: B="${PROJECT_SOURCE_DIR', 'tests/CMakeLists.txt: C="$<TARGET_FILE'])
 
     def test_a_long_function_and_a_long_list_of_parameters(self):
         self.write("bake/long.cpp", "void f(\n    int a) {\n" + "  ++a;\n" * 60 + "}\n")

@@ -7,11 +7,13 @@
 #include <filesystem>
 #include <vector>
 
+#include "tests/support/paths.h"
+
 namespace ohb {
 
 /// A folder of the optional data; empty if it is not on this machine.
 inline std::filesystem::path shared_data(const std::string& folder) {
-  const std::filesystem::path path = std::filesystem::path(OHB_SHARED_DATA) / folder;
+  const std::filesystem::path path = shared_data_path(folder);
   return std::filesystem::is_directory(path) ? path : std::filesystem::path();
 }
 
@@ -27,6 +29,6 @@ inline std::vector<std::filesystem::path> objs_below(const std::filesystem::path
 /// Skips the test if the folder is not there, and only then.
 #define OHB_SHARED_DATA_OR_SKIP(variable, folder)             \
   const std::filesystem::path variable = shared_data(folder); \
-  if (variable.empty()) GTEST_SKIP() << "not there: " << OHB_SHARED_DATA << "/" << folder
+  if (variable.empty()) GTEST_SKIP() << "not there: " << shared_data_path(folder)
 
 }  // namespace ohb
