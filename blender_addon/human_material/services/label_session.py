@@ -15,7 +15,8 @@ from .errors import InputError
 from .labelling import Ended, Labelling
 from .scan_mesh import ScanMesh
 
-HANG_S = 120   # no answer for so long: the program hangs (a scan of 100 000 faces is read in a few seconds)
+HANG_S = 120   # no answer to a stroke for so long: the program hangs (it takes 0.1 s)
+READING = 5    # times that to read a scan: 100 000 faces and a picture of 8192 px are 12 s of an idle processor
 
 sessions = {}   # name of the object -> Session
 opening = []    # sessions whose object is not there yet
@@ -72,8 +73,9 @@ class Session:
         try:
             while self._take_next(scene):
                 changed = True
-            if self._is_waiting and time.monotonic() - self._asked_at > HANG_S:
-                raise Ended("", "openhumanbrdf label", "has not answered for %d s" % HANG_S, "start it again")
+            patience_s = HANG_S * (1 if self.phase == "ready" else READING)
+            if self._is_waiting and time.monotonic() - self._asked_at > patience_s:
+                raise Ended("", "openhumanbrdf label", "has not answered for %g s" % patience_s, "start it again")
             if self.phase == "ready" and self.item is None:
                 raise Ended(self.name, "", "the scan was removed from the scene")
             if self.phase == "ready" and not self._is_waiting:

@@ -13,7 +13,7 @@ from ..services.errors import InputError
 from . import job_loop, label_loop, label_paint, label_properties, preferences
 from .operators import DroppableOperator, Operator
 
-WAIT_S = 120
+WAIT_S = 3600   # without a window; a session ends one that hangs by itself
 
 
 class HM_OT_open_scan(DroppableOperator):

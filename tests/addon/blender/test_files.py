@@ -101,6 +101,27 @@ class Files(s.Registered):
         self.assertEqual(bool(files.HANDLERS), hasattr(bpy.types, "FileHandler"))
         self.assertFalse(scan_object.is_scan(self.item))
 
+    def test_files_dropped_on_the_view_are_opened(self):
+        sky = os.path.join(self.folder, "sky.exr")
+        maps_folder.environment(sky, (0, 0, 1), sky=1.0)
+        bpy.ops.hm.set_environment("INVOKE_DEFAULT", filepath=sky)   # what a drop calls
+        self.assertEqual(environment.path_of(self.scene), sky)
+        if not files.HANDLERS:
+            self.skipTest("this Blender has no file handlers")
+        window = bpy.context.window_manager.windows[0]
+        view, other = (next(a for a in window.screen.areas if (a.type == "VIEW_3D") == wanted) for wanted in (True, False))
+        for area, takes in ((view, True), (other, False)):
+            with bpy.context.temp_override(window=window, area=area):
+                self.assertEqual({handler.poll_drop(bpy.context) for handler in files.HANDLERS}, {takes})
+        drop = dict(directory=self.item["hm_maps"], files=[{"name": "maps.json"}])
+        with bpy.context.temp_override(window=window, area=view, region=view.regions[-1]):
+            self.assertEqual(bpy.ops.wm.drop_import_file("INVOKE_DEFAULT", **drop), {"FINISHED"})
+        self.assertEqual(len(relief.reliefs(self.scene)), 2)
+        for handler in files.HANDLERS:
+            group, name = handler.bl_import_operator.split(".")
+            properties = getattr(getattr(bpy.ops, group), name).get_rna_type().properties
+            self.assertTrue(properties["filepath"].is_skip_save)   # else Blender refuses to drop on it
+
     def test_without_matching_the_camera_stays(self):
         camera, size = self.scene.camera, (self.scene.render.resolution_x, self.scene.render.resolution_y)
         self.scene.render.resolution_x = 77
