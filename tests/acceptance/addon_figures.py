@@ -2,11 +2,17 @@ r"""How long the add-on's pictures take, and how clean they are. In Blender, or 
 
     blender -b -noaudio --factory-startup --python-exit-code 1 --python addon_figures.py -- \
         times LIGHT.exr MAPS OUT.csv [LARGE_MAPS]
+        edits LIGHT.exr OUT.csv MAPS...
     python3 addon_figures.py chart OUT.svg LABEL=TIMES.csv...            (gnuplot)
 
 times: seconds of a processor (user + system), because
 other programs may run, and PSNR of the sRGB values over the person against 256 samples of other random numbers: a line
 for each number of samples, without and with the denoiser where there is one, and for Eevee; then for the large maps.
+
+edits: the two largest garments of each person (fabric or leather), each made red, and polished (roughness 0.1): mean
+absolute change outside the garment, where other garments' and classes' pixels are, of the maps (linear albedo, roughness)
+and of the picture's sRGB values, lit directly alone and with bounces. What bounces off a red garment is red: that is
+light, not a leak. A pixel is outside where no share of the garment is in it.
 """
 import csv
 import math
@@ -62,6 +68,11 @@ class Studio:
         return [self.decode.linear_to_srgb(min(max(v, 0.0), 1.0)) for v in values], seconds
 
 
+def mean_change(a, b, pixels, channels=3):
+    return sum(abs(a[channels * p + c] - b[channels * p + c]) for p in pixels for c in range(channels)) / (
+        channels * max(len(pixels), 1))
+
+
 def psnr(a, b, pixels):
     error = sum((a[3 * p + c] - b[3 * p + c]) ** 2 for p in pixels for c in range(3)) / (3 * len(pixels))
     return -10 * math.log10(max(error, 1e-12))
@@ -98,6 +109,59 @@ def times(light, folder, output, large=""):
         csv.writer(file).writerows([("way", "denoiser", "samples", "processor_s", "psnr_db"), *rows])
 
 
+BOUNCES = (0, 12)
+EDITS = (("red", dict(color=(0.5, 0.02, 0.02))), ("polished", dict(roughness=0.1)))
+EDIT_SAMPLES = 8
+
+
+def edits(light, output, *folders):
+    rows = []
+    for folder in folders:
+        studio = Studio(light, folder)
+        from human_material.services import garment_edit
+        for number, name, _ in [g for g in garment_edit.all_of(studio.skin) if g[1] in ("fabric", "leather")][:2]:
+            rows += edits_of(studio, folder, number, name)
+    with open(output, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, rows[0].keys())
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def edits_of(studio, folder, number, class_name):
+    """A row for each edit of one garment."""
+    from human_material.services import classes, edit, edited, garment_edit, presets
+    key, _ = garment_edit.node_for(studio.skin, number)
+    numbers, shares = garment_edit.numbers_of(studio.skin)[0], studio.loaded.shares
+    own, every = classes.NAMES.index(class_name), len(classes.NAMES)
+    person = [p for p, m in enumerate(studio.loaded.mask) if m > 0.5]
+    parts = {True: [], False: []}
+    for p in person:
+        parts[numbers[p] == number and shares[every * p + own] > 0].append(p)
+    before = look(studio, edited)
+    for name, values in EDITS:
+        edit.apply(studio.skin, key, presets.Preset(name, name, **values))
+        after = look(studio, edited)
+        edit.reset(studio.skin, key)
+        row = {"maps": os.path.basename(os.path.dirname(os.path.abspath(folder))), "garment": number, "class": class_name,
+               "pixels": len(parts[True]), "edit": name}
+        for what in before:
+            channels = 1 if what == "roughness" else 3
+            for side, pixels in (("inside", parts[True]), ("outside", parts[False])):
+                row[what + " " + side] = "%.2g" % mean_change(before[what], after[what], pixels, channels)
+        print("edit", *row.values(), flush=True)
+        yield row
+
+
+def look(studio, edited):
+    """The maps with their edits, and pictures of the same random numbers."""
+    maps = edited.rasters(studio.skin)[0]
+    found = {name: maps[name] for name in ("diffuse", "roughness")}
+    for bounces in BOUNCES:
+        studio.scene.cycles.max_bounces = bounces
+        found["%d bounces" % bounces] = studio.picture(EDIT_SAMPLES)[0]
+    return found
+
+
 def chart(output, *labelled):
     lines, data = [], ""
     for entry in labelled:
@@ -121,7 +185,7 @@ def chart(output, *labelled):
 
 if __name__ == "__main__":
     arguments = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
-    {"times": times, "chart": chart}[arguments[0]](*arguments[1:])
+    {"times": times, "edits": edits, "chart": chart}[arguments[0]](*arguments[1:])
     sys.stdout.flush()
     if "bpy" in sys.modules and not sys.modules["bpy"].app.binary_path:
         os._exit(0)   # some modules crash when Python ends
