@@ -112,6 +112,8 @@ TEST(Verdict, LeavesOutRegionsOfAFewPixels) {
 
 TEST(Verdict, NamesRejectedBinsSettingsAndNans) {
   Validation v = good();
+  v.inside_bins.bins = 100;
+  v.inside_bins.accepted = 98;
   v.inside_bins.accepted_share = 0.98;
   v.blender_settings.push_back({"scene.cycles.blur_glossy", "0.0", "1.0", false});
   v.nonfinite = 3;
@@ -121,6 +123,23 @@ TEST(Verdict, NamesRejectedBinsSettingsAndNans) {
   for (const std::string& reason : verdict.reasons) all += reason;
   for (const char* part : {"98.00 %", "scene.cycles.blur_glossy", "3 contributions"})
     EXPECT_NE(all.find(part), std::string::npos) << part;
+}
+
+TEST(Verdict, OneRejectedBinIsNoDifferenceYet) {
+  Validation v = good();
+  v.inside_bins.bins = 155;
+  v.inside_bins.accepted = 154;
+  v.inside_bins.accepted_share = 154 / 155.0;
+  EXPECT_EQ(judge(v).outcome, Outcome::kUndecided);
+  EXPECT_EQ(judge(v).sentence, "looks the same but for one place, which may be chance: try another `--seed`");
+  v.inside_bins.accepted = 153;
+  v.inside_bins.accepted_share = 153 / 155.0;
+  EXPECT_EQ(judge(v).outcome, Outcome::kDifference);
+  // Of many bins one is below the share that is allowed.
+  v.inside_bins.bins = 1000;
+  v.inside_bins.accepted = 998;
+  v.inside_bins.accepted_share = 0.998;
+  EXPECT_EQ(judge(v).outcome, Outcome::kPass);
 }
 
 TEST(Report, IsOneFolderThatNeedsNothingElse) {
