@@ -14,6 +14,7 @@ class AdamW {
   struct Options {
     double weight_decay = 0.01;  // of parameters with two or more dimensions: not of biases and norms
     double beta1 = 0.9, beta2 = 0.999, epsilon = 1e-8;
+    double average_decay = 0;  // of State::average, a step; 0: none is kept
   };
   AdamW(const torch::nn::Module& module, Options options);
 
@@ -24,9 +25,13 @@ class AdamW {
   /// infinite if any is, and then nothing is scaled).
   double clip_gradients(double limit);
 
+  /// Gives each parameter the value of its average, where one is kept.
+  void take_averages();
+
   struct State {
     std::string name;
     torch::Tensor parameter, first, second;  // the moments
+    torch::Tensor average;  // of the parameter over the last 1 / (1 - average_decay) steps; undefined: none
     torch::Tensor scratch;
   };
   /// In the module's order. Tensors may be copied into.

@@ -15,7 +15,7 @@ using nlohmann::json;
 using torch::Tensor;
 
 constexpr const char *kHeaderKey = "humanmaterial", *kModel = "model.", *kFirst = "adam.first.",
-                     *kSecond = "adam.second.";
+                     *kSecond = "adam.second.", *kAverage = "average.";
 constexpr const char *kStem = "step_", *kExtension = ".safetensors";
 constexpr double kMinWidth = 0.01, kMaxWidth = 4;
 constexpr int64_t kMaxSize_px = 8192;
@@ -91,6 +91,7 @@ void save_checkpoint(const fs::path& run, const json& header, AdamW& optimiser, 
     content.tensors.emplace_back(kModel + s.name, s.parameter);
     content.tensors.emplace_back(kFirst + s.name, s.first);
     content.tensors.emplace_back(kSecond + s.name, s.second);
+    if (s.average.defined()) content.tensors.emplace_back(kAverage + s.name, s.average);
   }
   write_tensors(checkpoint_file(run, header.at("step")), content);
   std::vector<fs::path> files = checkpoints_of(run);
@@ -119,11 +120,12 @@ json load_checkpoint(const fs::path& file, AdamW& optimiser) {
   const TensorFile content = read_tensors(file);
   json header = header_of(content, file);
   Named tensors = named(content);
-  std::vector<std::array<Tensor, 3>> loaded;
+  std::vector<std::array<Tensor, 4>> loaded;
   for (const AdamW::State& s : optimiser.states())
     loaded.push_back({take(tensors, kModel + s.name, s.parameter, file),
                       take(tensors, kFirst + s.name, s.first, file),
-                      take(tensors, kSecond + s.name, s.second, file)});
+                      take(tensors, kSecond + s.name, s.second, file),
+                      s.average.defined() ? take(tensors, kAverage + s.name, s.average, file) : Tensor()});
   if (!tensors.empty())
     throw InputError(file.string(), "tensor '" + tensors.begin()->first + "'",
                      "belongs to no part of the network", "the file belongs to another network");
@@ -133,6 +135,7 @@ json load_checkpoint(const fs::path& file, AdamW& optimiser) {
     s.parameter.copy_(loaded[i][0]);
     s.first.copy_(loaded[i][1]);
     s.second.copy_(loaded[i][2]);
+    if (s.average.defined()) s.average.copy_(loaded[i][3]);
   }
   return header;
 }
@@ -148,8 +151,12 @@ LoadedNetwork load_network(const fs::path& file_or_run) {
   Named tensors = named(content);
   LoadedNetwork loaded{make_network(task_from_name(header["task"]), header["width"]), header, file};
   torch::NoGradGuard no_gradients;
-  for (auto& item : loaded.network.module().named_parameters())
+  for (auto& item : loaded.network.module().named_parameters()) {
     item.value().copy_(take(tensors, kModel + item.key(), item.value(), file));
+    // A checkpoint of a run that averages: its estimate is the average's.
+    if (tensors.count(kAverage + item.key()) > 0)
+      item.value().copy_(take(tensors, kAverage + item.key(), item.value(), file));
+  }
   for (const auto& [name, tensor] : tensors)
     if (name.rfind(kModel, 0) == 0)
       throw InputError(file.string(), "tensor '" + name + "'", "belongs to no part of the network",

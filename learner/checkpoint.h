@@ -12,8 +12,8 @@
 namespace ohb::learner {
 
 /// RUN/step_<kkkkkkkk>.safetensors holds model.<parameter>, adam.first.<parameter>, adam.second.<parameter>
-/// in float32; metadata "humanmaterial" is the header as JSON text. RUN/weights.safetensors, written at the
-/// end of training, holds model.<parameter> in half.
+/// and, in runs that average, average.<parameter> in float32; metadata "humanmaterial" is the header as JSON
+/// text. RUN/weights.safetensors, written at the end of training, holds model.<parameter> in half.
 ///
 /// The header: format 1, task, width, size_px, step, every training option, the names of the people trained
 /// on and held out, the version.
@@ -44,8 +44,8 @@ struct LoadedNetwork {
   nlohmann::json header;
   std::filesystem::path file;
 };
-/// A network with its weights from a checkpoint, a weights file, or a run's folder (its newest checkpoint,
-/// else its weights). Throws InputError as load_checkpoint.
+/// A network with its weights (their average, where there is one) from a checkpoint, a weights file, or a
+/// run's folder (its newest checkpoint, else its weights). Throws InputError as load_checkpoint.
 LoadedNetwork load_network(const std::filesystem::path& file_or_run);
 
 }  // namespace ohb::learner

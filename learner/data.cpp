@@ -31,25 +31,6 @@ uint64_t hash_of(const std::string& text) {
   return hash;
 }
 
-/// Averages of factor x factor pixels weighted by `mask`; plainly averaged if `mask` is null.
-Image averaged_down(const Image& image, const Image* mask, int factor) {
-  if (factor == 1 && !mask) return image;
-  Image out(image.width_px / factor, image.height_px / factor, image.channels);
-  for (int y = 0; y < out.height_px; ++y)
-    for (int x = 0; x < out.width_px; ++x) {
-      double sum[4] = {}, weight = 0;
-      for (int j = y * factor; j < (y + 1) * factor; ++j)
-        for (int i = x * factor; i < (x + 1) * factor; ++i) {
-          const double w = mask ? *mask->pixel(i, j) : 1;
-          weight += w;
-          for (int c = 0; c < image.channels; ++c) sum[c] += w * image.pixel(i, j)[c];
-        }
-      for (int c = 0; c < image.channels; ++c)
-        out.pixel(x, y)[c] = weight > 0 ? static_cast<float>(sum[c] / weight) : 0.0f;
-    }
-  return out;
-}
-
 /// Interleaved pixels to (1, C, H, W), in plain loops: this runs on loader threads, where tensor operations
 /// would start teams of threads of their own.
 torch::Tensor planar(const Image& image) {
@@ -163,23 +144,25 @@ Split split_people(const Dataset& dataset, const std::vector<std::string>& held_
   return split;
 }
 
-Example example_of(const Sample& sample, const fs::path& path, uint64_t light_key, int size_px) {
+Example example_of(const Sample& sample, const fs::path& path, uint64_t light_key, int size_px,
+                   const std::optional<Window>& part) {
   const std::string file = path.string();
   check_sample(sample, file, size_px);
-  const int factor = sample.mask.width_px / size_px;
+  const Window window = part.value_or(Window{0, 0, sample.mask.width_px});
   const SampleLight& light = sample.lights[light_key % sample.lights.size()];
-  const Image mask = averaged_down(sample.mask, nullptr, factor);
+  const Image mask = averaged(sample.mask, nullptr, window, size_px);
   if (std::none_of(mask.values.begin(), mask.values.end(), [](float m) { return m > 0.5f; }))
     throw InputError(file, "part 'mask'", "covers nothing: there is no foreground",
                      "render the sample again");
   Example example;
   example.name = file + " under " + light.name;
   example.person = person_of(sample, path);
-  example.half_frame_cm = length_of(sample, file, "ohb:displacementRange_cm");
-  example.input = photograph(averaged_down(light.radiance, nullptr, factor), mask, example.name);
+  example.half_frame_cm = length_of(sample, file, "ohb:displacementRange_cm") *
+                          static_cast<float>(window.side_px) / static_cast<float>(sample.mask.width_px);
+  example.input = photograph(averaged(light.radiance, nullptr, window, size_px), mask, example.name);
   example.mask = planar(mask);
   for (const LearnedMap& map : kMaps) {
-    Image image = averaged_down(sample.*map.image, &sample.mask, factor);
+    Image image = averaged(sample.*map.image, &sample.mask, window, size_px);
     if (map.image == &Sample::normal) normalise(image, mask, file);
     if (map.image == &Sample::displacement)
       for (float& d : image.values) d /= example.half_frame_cm;
@@ -188,8 +171,11 @@ Example example_of(const Sample& sample, const fs::path& path, uint64_t light_ke
   return example;
 }
 
-Example read_example(const fs::path& file, uint64_t light_key, int size_px) {
-  return example_of(read_sample(file), file, light_key, size_px);
+Example read_example(const fs::path& file, uint64_t light_key, int size_px, uint64_t part_key) {
+  const Sample sample = read_sample(file);
+  if (part_key == 0 || sample.mask.width_px <= size_px || sample.mask.width_px != sample.mask.height_px)
+    return example_of(sample, file, light_key, size_px);
+  return example_of(sample, file, light_key, size_px, drawn_window(sample.mask, size_px, part_key));
 }
 
 Camera camera_of(const Sample& sample, const fs::path& path) {

@@ -4,12 +4,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "dataset/model/camera.h"
 #include "dataset/model/sample.h"
 #include "learner/maps.h"
+#include "learner/window.h"
 
 namespace ohb::learner {
 
@@ -68,10 +70,14 @@ constexpr float kExposedLevel = 0.8f;
 /// the coverage. Views larger than size_px by a whole factor are averaged down, maps weighted by coverage.
 /// Throws InputError naming `file`: not square, no whole multiple of size_px, no foreground, no light,
 /// ohb:displacementRange_cm missing or not above 0, a normal of length 0 in the foreground.
-Example example_of(const Sample& sample, const std::filesystem::path& file, uint64_t light_key, int size_px);
+///
+/// `part`: that window of the view alone, as if it had been the frame: displacement counts in its half.
+Example example_of(const Sample& sample, const std::filesystem::path& file, uint64_t light_key, int size_px,
+                   const std::optional<Window>& part = {});
 
-/// read_sample and example_of.
-Example read_example(const std::filesystem::path& file, uint64_t light_key, int size_px);
+/// read_sample and example_of. Unless `part_key` is 0, of the drawn_window of a view larger than size_px.
+Example read_example(const std::filesystem::path& file, uint64_t light_key, int size_px,
+                     uint64_t part_key = 0);
 
 /// The camera that a sample was rendered by. Throws InputError naming `file` and the ohb:camera... attribute
 /// that is missing or no number.

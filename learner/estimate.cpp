@@ -1,6 +1,7 @@
 #include "learner/estimate.h"
 
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "dataset/model/atomic_file.h"
@@ -16,7 +17,7 @@ namespace {
 
 using torch::Tensor;
 
-constexpr int kPngBits = 16;
+constexpr int kPngBits = 16, kMostNatural_px = 1024;
 constexpr double kHalfWidth = 0.5 * kSensorMm / kLensMm;  // tangent of half the field of view
 
 /// (1, C, H, W) to interleaved pixels.
@@ -119,6 +120,12 @@ Image mask_for(const Photo& photo, const EstimateOptions& options, int& people) 
 
 }  // namespace
 
+int natural_size(const Crop& crop, int network_px) {
+  const int own_px =
+      static_cast<int>(std::lround(crop.side_px / kResolutionStep)) * static_cast<int>(kResolutionStep);
+  return std::max(network_px, std::min(own_px, kMostNatural_px));
+}
+
 EstimateReport estimate(const EstimateOptions& options) {
   if (!(options.person_height_cm > 0 && options.person_height_cm < 1e4))
     throw InputError("", "--height", "is not a length above 0 cm", "give the person's height");
@@ -128,12 +135,13 @@ EstimateReport estimate(const EstimateOptions& options) {
   keep_foreground_colours(photo, mask);
   const Estimator estimator(options.weights);
   EstimateReport report;
-  report.size_px = options.size_px > 0 ? options.size_px : estimator.header().at("size_px").get<int>();
+  report.crop = crop_around(mask);
+  report.size_px =
+      options.size_px > 0 ? options.size_px : natural_size(report.crop, estimator.header().at("size_px"));
   if (report.size_px % kResolutionStep != 0 || report.size_px > 4096)
     throw InputError("", "--size " + std::to_string(report.size_px), "is no multiple of 16 up to 4096",
                      "give another");
   report.people = people;
-  report.crop = crop_around(mask);
   report.finetuned = estimator.has_finetune();
   const Foreground foreground = foreground_of(photo, mask, report.crop, report.size_px);
   std::vector<fs::path> inputs = options.weights;

@@ -17,9 +17,13 @@ struct EstimateOptions {
   MattingOptions matting;                      // where there is neither a mask nor an alpha
   std::vector<std::filesystem::path> weights;  // files or runs: three priors, finetune or not
   std::filesystem::path output;                // folder, written whole or not at all
-  int size_px = 0;                             // 0: as trained
+  int size_px = 0;                             // of the maps; 0: the photo's own, see natural_size
   double person_height_cm = 170;  // of what the mask covers from top to bottom: nothing else gives the scale
 };
+
+/// Sides of maps that keep what a photo shows of the person: the crop's pixels, to a multiple of 16, at least
+/// as many as the networks see and at most 1024.
+int natural_size(const Crop& crop, int network_px);
 
 struct EstimateReport {
   Crop crop;

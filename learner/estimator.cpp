@@ -1,9 +1,9 @@
 #include "learner/estimator.h"
 
 #include "dataset/model/error.h"
+#include "learner/upsample.h"
 
 namespace ohb::learner {
-
 Estimator::Estimator(const std::vector<std::filesystem::path>& files_or_runs, PriorsNeeded needed) {
   std::vector<std::filesystem::path> priors;
   for (const auto& file : files_or_runs) {
@@ -20,15 +20,24 @@ Estimator::Estimator(const std::vector<std::filesystem::path>& files_or_runs, Pr
   priors_.emplace(priors, finetune_ ? PriorsNeeded::kAll : needed);
 }
 
-MaterialMaps Estimator::from_priors(const torch::Tensor& input) const {
+MaterialMaps Estimator::maps_by(const std::function<torch::Tensor(const torch::Tensor&)>& networks,
+                                const torch::Tensor& input) const {
   torch::NoGradGuard no_gradients;
-  return maps_of(Task::kFinetune, priors_->estimate(input), {});
+  const int64_t size_px = header().at("size_px");
+  if (input.size(2) <= size_px) return maps_of(Task::kFinetune, networks(input), {});
+  const torch::Tensor small = averaged_input(input, size_px);
+  return maps_of(Task::kFinetune, output_at_size_of(input, networks(small), small), {});
+}
+
+MaterialMaps Estimator::from_priors(const torch::Tensor& input) const {
+  return maps_by([this](const torch::Tensor& x) { return priors_->estimate(x); }, input);
 }
 
 MaterialMaps Estimator::estimate(const torch::Tensor& input) const {
   if (!finetune_) return from_priors(input);
-  torch::NoGradGuard no_gradients;
-  return maps_of(Task::kFinetune, finetune_->forward(input, priors_->estimate(input)), {});
+  return maps_by(
+      [this](const torch::Tensor& x) { return two_sided_output(*finetune_, x, priors_->estimate(x)); },
+      input);
 }
 
 }  // namespace ohb::learner

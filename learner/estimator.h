@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -21,7 +22,9 @@ class Estimator {
   /// False: the maps of a prior that is not there are NaN.
   bool is_whole() const { return priors_->is_whole(); }
   bool has_finetune() const { return finetune_.has_value(); }
-  /// The priors' estimate of input (B, 4, H, W), see network_input.
+  /// The priors' estimate of input (B, 4, H, W), see network_input. Networks see it at the size that they
+  /// were trained at, or its own if that is smaller: larger, they err more. Maps are of the input's size:
+  /// output_at_size_of.
   MaterialMaps from_priors(const torch::Tensor& input) const;
   /// The finetuning model's, or the priors' if there is none.
   MaterialMaps estimate(const torch::Tensor& input) const;
@@ -32,6 +35,9 @@ class Estimator {
   const std::vector<nlohmann::json>& headers() const { return headers_; }
 
  private:
+  MaterialMaps maps_by(const std::function<torch::Tensor(const torch::Tensor&)>& networks,
+                       const torch::Tensor& input) const;
+
   std::optional<PriorSet> priors_;
   std::optional<Network> finetune_;
   std::vector<nlohmann::json> headers_;

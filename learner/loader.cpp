@@ -50,7 +50,8 @@ void Loader::work() {
     Result result;
     try {
       const Draw draw = draw_at(settings_.seed, position, views_.size());
-      result.example = read_example(views_[draw.view], draw.light_key, settings_.size_px);
+      const uint64_t part_key = settings_.parts_key == 0 ? 0 : key_of({settings_.parts_key, position});
+      result.example = read_example(views_[draw.view], draw.light_key, settings_.size_px, part_key);
     } catch (...) {
       result.error = std::current_exception();
     }

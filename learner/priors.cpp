@@ -27,7 +27,7 @@ Tensor PriorSet::estimate(const Tensor& input) const {
   for (const Task task : {Task::kGeometry, Task::kAlbedo, Task::kRss}) {
     const auto found = networks_.find(task);
     outputs.push_back(found != networks_.end()
-                          ? found->second.forward(input, {})
+                          ? two_sided_output(found->second, input, {})
                           : torch::full({input.size(0), output_channels(task), input.size(2), input.size(3)},
                                         std::nan("")));
   }

@@ -47,6 +47,8 @@ json run_header(const TrainOptions& o, const Dataset& dataset, const Split& spli
   if (o.recolour) header["recolour"] = true;
   if (o.balanced) header["balanced"] = true;
   if (o.snapshots) header["snapshots"] = true;
+  if (o.parts) header["parts"] = true;
+  if (o.average) header["average"] = true;
   // The schedule depends on the number of steps.
   if (o.cosine || o.warmup * 10 > steps) header["schedule_steps"] = steps;
   return header;
@@ -54,7 +56,8 @@ json run_header(const TrainOptions& o, const Dataset& dataset, const Split& spli
 
 void check_same_run(const json& before, const json& now, const fs::path& file) {
   json wanted = now;
-  for (const char* only_where_it_matters : {"schedule_steps", "recolour", "balanced", "snapshots"})
+  for (const char* only_where_it_matters :
+       {"schedule_steps", "recolour", "balanced", "snapshots", "parts", "average"})
     if (before.contains(only_where_it_matters) && !now.contains(only_where_it_matters))
       wanted[only_where_it_matters] = nullptr;
   // Runs of versions before these were noted cannot be told apart by them.

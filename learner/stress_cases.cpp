@@ -142,10 +142,11 @@ StressPicture resized(const StressSubject& s, double factor) {
   return out;
 }
 
-/// Factors at which a size is a multiple of 16.
+/// Factors at which a size is a multiple of 16. Of larger pictures networks see no more than they were
+/// trained at.
 std::vector<double> size_factors(int size_px) {
   std::vector<double> factors;
-  for (const double factor : {0.25, 0.5, 0.75, 1.0, 1.5, 2.0})
+  for (const double factor : {0.25, 0.5, 0.75, 1.0})
     if (std::fmod(factor * size_px, kResolutionStep) == 0) factors.push_back(factor);
   return factors;
 }

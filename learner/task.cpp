@@ -77,6 +77,21 @@ Tensor Network::forward(const Tensor& input, const Tensor& guidance) const {
   return prior.ptr()->forward(input);
 }
 
+Tensor mirrored_output(Task task, const Tensor& output) {
+  Tensor mirrored = output.flip(3);
+  if (task == Task::kGeometry || task == Task::kFinetune) {
+    Tensor x = mirrored.select(1, 0);
+    x.copy_(1 - x);
+  }
+  return mirrored;
+}
+
+Tensor two_sided_output(const Network& network, const Tensor& input, const Tensor& guidance) {
+  const Tensor mirrored_guidance = guidance.defined() ? mirrored_output(Task::kFinetune, guidance) : Tensor();
+  const Tensor other = network.forward(input.flip(3), mirrored_guidance);
+  return (network.forward(input, guidance) + mirrored_output(network.task, other)) / 2;
+}
+
 Network make_network(Task task, double width) {
   Network network{task, width};
   if (task == Task::kFinetune)

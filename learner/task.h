@@ -32,6 +32,15 @@ struct Network {
 /// Freshly initialised; torch::manual_seed decides with what.
 Network make_network(Task task, double width);
 
+/// The mean of a network's output and of the output for the mirrored picture, mirrored back: the maps of a
+/// mirror image are the mirror image of the maps, so that where the two differ both err. Twice the time.
+torch::Tensor two_sided_output(const Network& network, const torch::Tensor& input,
+                               const torch::Tensor& guidance);
+
+/// Exchanges left and right of a network's output (B, C, H, W), or of guidance: x components of normals,
+/// encoded as (x + 1) / 2, change their sign.
+torch::Tensor mirrored_output(Task task, const torch::Tensor& output);
+
 /// geometry 4: normal as (n + 1) / 2, displacement as 0.5 + d / 2 (d in half frames). albedo 3: sRGB-encoded.
 /// rss 3: those of kMaps with a span (roughness, S, sss). finetune 10: normal, displacement, albedo, rss.
 int64_t output_channels(Task task);

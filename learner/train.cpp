@@ -28,10 +28,11 @@ namespace {
 using nlohmann::json;
 using torch::Tensor;
 
-enum Purpose : uint64_t { kLightPlace = 3, kMirror = 4, kRecolour = 5, kSnapshot = 6 };
+enum Purpose : uint64_t { kLightPlace = 3, kMirror = 4, kRecolour = 5, kSnapshot = 6, kPart = 7 };
 constexpr double kGrace_s = 6;  // for the step under way, so that it can be saved
 constexpr int64_t kMaxSkippedInARow = 10;
 constexpr double kFinalRate = 1e-6;
+constexpr double kAverageDecay = 0.9995;  // two thousand steps
 
 struct Batch {
   std::vector<std::string> names;
@@ -123,7 +124,7 @@ class Trainer {
         steps_(options.steps > 0 ? options.steps : steps_of_epochs()),
         header_(run_header(options, dataset_, split_, steps_)),
         network_(make_seeded()),
-        optimiser_(network_.module(), {options.weight_decay}) {
+        optimiser_(network_.module(), adamw_options()) {
     if (options_.batch % ranks_.count() != 0)
       throw InputError("", "--batch " + std::to_string(options_.batch),
                        "is no multiple of WORLD_SIZE, " + std::to_string(ranks_.count()),
@@ -144,6 +145,12 @@ class Trainer {
   Network make_seeded() const {
     torch::manual_seed(options_.seed);
     return make_network(options_.task, options_.width);
+  }
+  AdamW::Options adamw_options() const {
+    AdamW::Options adamw;
+    adamw.weight_decay = options_.weight_decay;
+    adamw.average_decay = options_.average ? kAverageDecay : 0;
+    return adamw;
   }
   int batch_of_rank() const { return options_.batch / ranks_.count(); }
   uint64_t first_position_of(int64_t step) const {
@@ -264,6 +271,7 @@ void Trainer::finish(TrainReport& report) {
   header_["step"] = steps_;
   header_["version"] = OHB_VERSION;
   report.weights = options_.run / kWeightsName;
+  optimiser_.take_averages();
   save_weights(report.weights, header_, network_);
 }
 
@@ -297,9 +305,10 @@ TrainReport Trainer::run() {
         {"threads", torch::get_num_threads()},
         {"ranks", ranks_.count()},
         {"options", header_}});
-  Loader loader(views_, {options_.size_px, options_.seed, first_position_of(first_step_ + 1),
-                         options_.loader_threads, 4 * batch_of_rank(), static_cast<uint64_t>(batch_of_rank()),
-                         static_cast<uint64_t>(options_.batch)});
+  Loader loader(views_,
+                {options_.size_px, options_.seed, first_position_of(first_step_ + 1), options_.loader_threads,
+                 4 * batch_of_rank(), static_cast<uint64_t>(batch_of_rank()),
+                 static_cast<uint64_t>(options_.batch), options_.parts ? key_of({options_.seed, kPart}) : 0});
   const Augmentation augmentation{options_.mirror ? key_of({options_.seed, kMirror}) : 0,
                                   options_.recolour ? key_of({options_.seed, kRecolour}) : 0,
                                   options_.snapshots ? key_of({options_.seed, kSnapshot}) : 0};

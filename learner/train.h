@@ -38,6 +38,8 @@ struct TrainOptions {
   bool balanced = false;       // see losses_of
   bool recolour = false;       // half of the examples with other colours (not in the paper)
   bool snapshots = false;      // pictures as cameras and matting give them (not in the paper)
+  bool parts = false;          // parts of people: windows of samples larger than size_px (not in the paper)
+  bool average = false;        // the weights are averages over the last steps (not in the paper)
   Guidance guidance = Guidance::kTruth;
   std::vector<std::filesystem::path> priors;  // three of them for Guidance::kPriors
   uint64_t seed = 1;

@@ -66,7 +66,7 @@ void add_estimate_command(CLI::App& app, Commands& commands) {
       ->required();
   command
       ->add_option("--size", arguments->estimate.size_px,
-                   "pixels of a side of the maps, a multiple of 16 (default: as trained)")
+                   "pixels of a side of the maps, a multiple of 16 (default: the photo's own, at most 1024)")
       ->check(program::whole_within(16, 4096));
   command
       ->add_option("--height", arguments->estimate.person_height_cm,

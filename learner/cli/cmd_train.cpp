@@ -33,10 +33,11 @@ const std::vector<Preset>& presets() {
       {"best",
        {{"--batch", "2"},
         {"--learning-rate", "5e-4"},
-        {"--cosine", "true"},
+        {"--average", "true"},
         {"--mirror", "true"},
         {"--recolour", "true"},
         {"--snapshots", "true"},
+        {"--parts", "true"},
         {"--balanced", "true"}}}};
   return all;
 }
@@ -147,6 +148,10 @@ void add_losses(CLI::App& command, learner::TrainOptions& o) {
                    "give half of the examples other colours (the paper does not): for few people");
   command.add_flag("--snapshots", o.snapshots,
                    "exposure, white balance, tones, blur, noise and mattes as photographs have them");
+  command.add_flag("--parts", o.parts,
+                   "half bodies and closer: windows of samples larger than --size (the paper does not)");
+  command.add_flag("--average", o.average,
+                   "give the mean of the weights over the last 2000 steps (the paper does not)");
 }
 
 void add_bookkeeping(CLI::App& command, learner::TrainOptions& o) {

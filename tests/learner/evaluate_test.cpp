@@ -188,7 +188,7 @@ TEST(Estimate, WritesAFolderThatSaysWhatItIs) {
   EXPECT_DOUBLE_EQ(report.crop.side_px, 66);
   const auto json = nlohmann::json::parse(read_file(o.output / "maps.json"));
   EXPECT_EQ(json["format"], "humanmaterial.maps");
-  EXPECT_EQ(json["size_px"], (std::vector<int>{16, 16}));
+  EXPECT_EQ(json["size_px"], (std::vector<int>{64, 64})) << "of the photo's 66";
   const double r_cm = json["maps"]["displacement"]["r_cm"];
   EXPECT_NEAR(r_cm, 0.5 * 66 * 180 / 60, 1e-6) << "60 px are 180 cm";
   EXPECT_NEAR(json["camera"]["distance_cm"].get<double>() * json["camera"]["half_width"].get<double>(), r_cm,
@@ -197,7 +197,7 @@ TEST(Estimate, WritesAFolderThatSaysWhatItIs) {
     ImageFileInfo info;
     const Image image = read_image(o.output / map["file"].get<std::string>(), &info);
     EXPECT_EQ(info.bits, 16) << name;
-    EXPECT_EQ(image.width_px, 16) << name;
+    EXPECT_EQ(image.width_px, 64) << name;
     EXPECT_EQ(image.channels, name == "normal" || name == "diffuse" ? 3 : 1) << name;
   }
   // The EXR holds the same numbers in their own units.

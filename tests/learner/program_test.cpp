@@ -45,7 +45,7 @@ TEST(Program, PresetsAreOptionsThatOthersGoBefore) {
   const Result result = run(folder, words);
   ASSERT_EQ(result.code, 0) << result.error;
   const nlohmann::json header = read_checkpoint_header(*newest_checkpoint(folder / "run"));
-  for (const char* flag : {"cosine", "mirror", "recolour", "snapshots", "balanced"})
+  for (const char* flag : {"average", "parts", "mirror", "recolour", "snapshots", "balanced"})
     EXPECT_EQ(header[flag], true) << flag;
   EXPECT_EQ(header["batch"], 2);
   EXPECT_EQ(header["learning_rate"], 0.25) << "given";

@@ -50,6 +50,31 @@ TEST(Task, ControlHoldsWhatAPriorDoesNotEstimate) {
   EXPECT_TRUE(controlled(Task::kRss, maps).roughness.equal(maps.roughness));
 }
 
+// The invariant that the mean of both sides exists for: mirrored picture, mirrored maps.
+TEST(Task, TwoSidedOutputsAreThoseOfTheMirrorImageMirrored) {
+  torch::manual_seed(3);
+  const Tensor input = torch::rand({2, 4, 32, 32}) * 2 - 1, guidance = torch::rand({2, 10, 32, 32});
+  torch::NoGradGuard no_gradients;
+  for (const Task task : kTasks) {
+    const Network network = make_network(task, 0.1);
+    const Tensor guide = task == Task::kFinetune ? guidance : Tensor();
+    const Tensor of_guide = task == Task::kFinetune ? mirrored_output(Task::kFinetune, guidance) : Tensor();
+    const Tensor output = two_sided_output(network, input, guide);
+    const Tensor mirrored = two_sided_output(network, input.flip(3), of_guide);
+    EXPECT_TRUE(torch::allclose(mirrored, mirrored_output(task, output), 1e-4, 1e-5)) << name_of(task);
+    EXPECT_FALSE(torch::allclose(network.forward(input, guide), output, 1e-3, 1e-3)) << name_of(task);
+  }
+  // Normals that point to the right point to the left, and stand where the left was.
+  MaterialMaps maps;
+  maps.normal = torch::zeros({1, 3, 16, 16});
+  maps.normal.select(1, 0).slice(2, 0, 8).fill_(1);
+  maps.displacement = torch::zeros({1, 1, 16, 16});
+  const MaterialMaps turned =
+      maps_of(Task::kGeometry, mirrored_output(Task::kGeometry, encoded_maps(Task::kGeometry, maps)), {});
+  EXPECT_NEAR(turned.normal[0][0][4][12].item<double>(), -1, 1e-6);
+  EXPECT_NEAR(turned.normal[0][0][4][2].item<double>(), 0, 1e-6);
+}
+
 TEST(Losses, AreZeroForTheTruthAndFallToIt) {
   const MaterialMaps truth = random_maps(1, 16, 16, torch::kFloat, 4);
   const Tensor mask = torch::ones({1, 1, 16, 16});

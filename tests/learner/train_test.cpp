@@ -181,9 +181,9 @@ TEST(Training, TheFinetuningModelLearnsOnThePriorsEstimates) {
 
 TEST(Training, ResumedRunEqualsAnUninterruptedOneBitForBit) {
   TemporaryFolder folder;
-  write_ball_dataset(folder / "data", 2, 3, 16);
+  write_ball_dataset(folder / "data", 2, 3, 32);
   TrainOptions whole = options_of(folder, "whole", 20);
-  whole.mirror = whole.recolour = whole.balanced = true;
+  whole.mirror = whole.recolour = whole.balanced = whole.average = whole.parts = true;
   train(whole);
   TrainOptions first = whole;
   first.run = folder / "parts";
@@ -203,6 +203,41 @@ TEST(Training, ResumedRunEqualsAnUninterruptedOneBitForBit) {
     if (line.contains("loss")) ++seen[line["step"]];
   EXPECT_EQ(seen.size(), 20u);
   for (const auto& [step, count] : seen) EXPECT_EQ(count, 1) << step;
+}
+
+// The average by its definition: the same run's weights at each step, weighted by hand.
+TEST(Training, AveragesAreThoseOfTheStepsWeights) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 1, 2, 16);
+  TrainOptions o = options_of(folder, "run", 12);
+  o.average = true;
+  o.checkpoint_every = 1;
+  o.keep = 100;
+  const TrainReport report = train(o);
+  torch::manual_seed(o.seed);
+  const Network start = make_network(o.task, o.width);
+  std::vector<torch::Tensor> wanted;
+  for (const auto& parameter : start.module().parameters())
+    wanted.push_back(parameter.detach().to(torch::kDouble));
+  for (int64_t step = 1; step <= 12; ++step) {
+    const Network network = make_network(o.task, o.width);
+    AdamW::Options with_average;
+    with_average.average_decay = 0.9995;
+    AdamW optimiser(network.module(), with_average);
+    load_checkpoint(checkpoint_file(o.run, step), optimiser);
+    const double decay = static_cast<double>(step) / (10 + static_cast<double>(step));
+    for (size_t i = 0; i < wanted.size(); ++i)
+      wanted[i] =
+          decay * wanted[i] + (1 - decay) * optimiser.states()[i].parameter.detach().to(torch::kDouble);
+  }
+  for (const auto& file : {report.weights, checkpoint_file(o.run, 12)}) {
+    const auto loaded = load_network(file).network.module().parameters();
+    for (size_t i = 0; i < wanted.size(); ++i)
+      EXPECT_TRUE(torch::allclose(loaded[i].to(torch::kDouble), wanted[i], 2e-3, 2e-4)) << i;
+  }
+  o.average = false;
+  o.resume = true;
+  expect_message(input_error_of([&] { train(o); }), {"average", "true"});
 }
 
 TEST(Training, RefusesToMixRuns) {
