@@ -162,6 +162,9 @@ def look(studio, edited):
     return found
 
 
+COLORS = ("#7b3294", "#0072b2", "#d55e00", "#009e73", "#000000", "#cc79a7")
+
+
 def chart(output, *labelled):
     lines, data = [], ""
     for entry in labelled:
@@ -175,8 +178,8 @@ def chart(output, *labelled):
                 data += "$%s << end\n%s\nend\n" % (name, "\n".join(
                     "%s %s %s" % (row["processor_s"], row["psnr_db"], row["samples"]) for row in mine))
                 title = "%s, %s%s" % (label, way.capitalize(), ", denoised" if denoiser else "")
-                lines.append("$%s using 1:2 with linespoints title '%s', '' using 1:2:3 with labels offset 0,0.8 "
-                             "font ',8' notitle" % (name, title))
+                lines.append("$%s using 1:2 with linespoints lc rgb '%s' title '%s', '' using 1:2:3 with labels offset 0,0.8 "
+                             "font ',8' notitle" % (name, COLORS[len(lines) % len(COLORS)], title))
     script = ("set terminal svg size 760,420 font 'sans,11' background 'white'\nset output '%s'\nset logscale x\n"
               "set xlabel 'seconds of a processor'\nset ylabel 'PSNR, dB'\nset key bottom right\nset grid\n%s\nplot %s\n"
               % (output, data, ", ".join(lines)))

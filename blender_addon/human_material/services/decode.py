@@ -37,6 +37,13 @@ def covered_pixels(mask):
     return list(compress(range(len(mask)), [value > 0 for value in mask]))
 
 
+def covered(mask):
+    """bytearray: 1 where something of a pixel is covered, else 0."""
+    if vector.np:
+        return bytearray((vector.view(mask) > 0).tobytes())
+    return bytearray(value > 0 for value in mask)
+
+
 def check_finite(values, channels, pixels, width, height, path):
     """All values of the given pixels are finite, or InputError names the first that is not."""
     if vector.np and vector.is_finite(values, channels, pixels):

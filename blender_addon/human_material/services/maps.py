@@ -103,8 +103,8 @@ def _decoded(info, rasters, warnings):
     decode.decode_normals(rasters["normal"], pixels, encoding["normal"], path["normal"])
     decode.decode_displacement(rasters["displacement"], pixels, encoding["displacement"],
                                info.maps["displacement"].r_cm, info.camera, width, height, path["displacement"])
-    decode.check_green_up(rasters["normal"], rasters["displacement"], pixels, bytearray(value > 0 for value in mask),
-                          width, height, path["normal"])
+    decode.check_green_up(rasters["normal"], rasters["displacement"], pixels, decode.covered(mask), width, height,
+                          path["normal"])
     if encoding["diffuse"] == "srgb":
         decode.decode_each(rasters["diffuse"], 3, pixels, decode.srgb_to_linear)
     decode.decode_each(rasters["specular"], 1, pixels, decode.F0_OF[encoding["specular"]])
@@ -127,9 +127,9 @@ def _grown(rasters, shares, mask, info):
     width, height = info.width_px, info.height_px
     for name, channels in (("normal", 3), ("diffuse", 3), ("roughness", 1), ("specular", 1), ("sss", 1),
                            (None, len(classes.NAMES))):
-        known = bytearray(value > 0 for value in mask)
+        known = decode.covered(mask)
         decode.grow(shares if name is None else rasters[name], channels, known, width, height, GROW_PX)
-    known = bytearray(value > 0 for value in mask)
+    known = decode.covered(mask)
     decode.mend_pits(rasters["displacement"], known, width, height)
     decode.grow_depth(rasters["displacement"], rasters["normal"], known, width, height, GROW_PX,
                       info.camera.frame_width_cm / width)

@@ -63,6 +63,8 @@ class Vector(unittest.TestCase):
             plain = computed()
         finally:
             vector.np = found
+        mask = array("f", [0.0, 1e-9, 1.0, -0.5])
+        self.assertEqual(decode.covered(mask), bytearray(value > 0 for value in mask))
         for name, values in plain[0].items():
             worst = max(abs(a - b) for a, b in zip(values, fast[0][name]))
             self.assertLess(worst, 1e-5, name)
