@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "dataset/model/data_files.h"
-#include "dataset/model/material_table.h"
+#include "dataset/model/map_table.h"
 #include "learner/hash.h"
 #include "learner/metrics.h"
 #include "learner/task.h"
@@ -42,13 +42,25 @@ Tensor normal_angles(const MaterialMaps& a, const MaterialMaps& b, const Tensor&
   return angle.masked_select(inside) * (180 / M_PI);
 }
 
-/// Rows of roughness, S and sss over their spans, one a class.
+/// (classes, maps, 1, 1): what each class of the table states of each of the rss network's maps, in units of
+/// its span.
 Tensor class_table() {
   static const MaterialTable table = read_material_table(program_file("assets/materials.xml"));
   std::vector<double> values;
   for (const ClassMaterial& c : table)
-    for (const double value : {c.roughness, c.specular, c.sss}) values.push_back(value);
-  return torch::tensor(values, torch::kDouble).view({static_cast<int64_t>(table.size()), 3});
+    for (const LearnedMap& map : kMaps)
+      for (const MaterialMap& stated : kMaterialMaps)
+        if (is_of_rss(map) && stated.texels == map.texels) values.push_back(c.*stated.value / map.span);
+  return torch::tensor(values, torch::kDouble)
+      .view({static_cast<int64_t>(table.size()), rss_channels(), 1, 1});
+}
+
+/// (B, maps, H, W): the rss network's maps in units of their spans.
+Tensor materials_of(const MaterialMaps& maps) {
+  std::vector<Tensor> channels;
+  for (const LearnedMap& map : kMaps)
+    if (is_of_rss(map)) channels.push_back((maps.*map.tensor).to(torch::kDouble) / map.span);
+  return torch::cat(channels, 1);
 }
 
 double class_iou(const MaterialMaps& estimate, const MaterialMaps& truth, const Tensor& inside) {
@@ -81,16 +93,7 @@ double ssim(const Tensor& a, const Tensor& b, const Tensor& mask) {
 }
 
 Tensor nearest_classes(const MaterialMaps& maps) {
-  std::vector<Tensor> channels;
-  std::vector<double> spans;
-  for (const LearnedMap& map : kMaps)
-    if (is_of_rss(map)) {
-      channels.push_back((maps.*map.tensor).to(torch::kDouble) / map.span);
-      spans.push_back(map.span);
-    }
-  const Tensor pixels = torch::cat(channels, 1).unsqueeze(1);  // (1, 1, 3, H, W)
-  const Tensor classes = (class_table() / torch::tensor(spans, torch::kDouble)).view({1, -1, 3, 1, 1});
-  return (pixels - classes).square().sum(2).argmin(1);
+  return (materials_of(maps).unsqueeze(1) - class_table()).square().sum(2).argmin(1);
 }
 
 Measures albedo_measures(const Tensor& estimate, const Tensor& truth, const Tensor& mask) {
@@ -113,10 +116,8 @@ Measures measures_of(const MaterialMaps& estimate, const MaterialMaps& truth, co
   const Tensor angles = normal_angles(estimate, truth, inside);
   measures[kNormalMean_deg] = angles.mean().item<double>();
   measures[kNormalMedian_deg] = angles.median().item<double>();
-  const bool has_materials = torch::isfinite(estimate.roughness + estimate.specular + estimate.sss)
-                                 .masked_select(mask > 0.5)
-                                 .all()
-                                 .item<bool>();
+  const bool has_materials =
+      torch::isfinite(materials_of(estimate).sum(1, true)).masked_select(mask > 0.5).all().item<bool>();
   if (has_materials) measures[kClassIou] = class_iou(estimate, truth, inside);
   return measures;
 }

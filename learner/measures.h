@@ -36,8 +36,8 @@ Measures albedo_measures(const torch::Tensor& estimate, const torch::Tensor& tru
 /// beyond the outline does not count; mean over channels and over the pixels with mask > 0.5.
 double ssim(const torch::Tensor& a, const torch::Tensor& b, const torch::Tensor& mask);
 
-/// (1, H, W) of class numbers in the order of kClassNames: the nearest of assets/materials.xml, roughness,
-/// specular and sss each in units of its span there (LearnedMap::span).
+/// (1, H, W) of class numbers in the order of kClassNames: the nearest of assets/materials.xml, each of the
+/// rss network's maps in units of its span there (LearnedMap::span).
 torch::Tensor nearest_classes(const MaterialMaps& maps);
 
 /// 5 % and 95 % points of the mean over people drawn with replacement, 2000 times (percentile bootstrap,
