@@ -96,9 +96,10 @@ void try_in_a_child(const fs::path& file) {
   int status = 0;
   while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (child > 0 && WIFSIGNALED(status))
-    throw_no_network(file, WTERMSIG(status) == SIGALRM ? "it takes more than two minutes"
-                                                       : "it is damaged: OpenCV does not survive it");
+  if (child > 0 && status != 0)  // a signal, or an exit that is not ours
+    throw_no_network(file, WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM
+                               ? "it takes more than two minutes"
+                               : "it is damaged: OpenCV does not survive it");
 }
 
 /// The probability of "person" from an ONNX network.
