@@ -5,7 +5,7 @@
 # else build/asan/fuzz_input names what was being read: repeat it with OHB_FUZZ_ONLY=Reader:number.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-cmake --preset asan -DOHB_BUILD_LEARNER=OFF -DOHB_BUILD_TESTS=ON >/dev/null
+cmake --preset asan -DOHB_BUILD_TESTS=ON >/dev/null
 targets=(fuzz_test)
 ninja -C build/asan -t targets all | grep -q '^fuzz_weights_test: phony' && targets+=(fuzz_weights_test)
 cmake --build --preset asan --target "${targets[@]}"
