@@ -7,6 +7,7 @@
 #include "dataset/model/colour.h"
 #include "dataset/model/error.h"
 #include "learner/hash.h"
+#include "learner/light_mixture.h"
 
 namespace ohb::learner {
 namespace fs = std::filesystem;
@@ -171,11 +172,13 @@ Example example_of(const Sample& sample, const fs::path& path, uint64_t light_ke
   return example;
 }
 
-Example read_example(const fs::path& file, uint64_t light_key, int size_px, uint64_t part_key) {
-  const Sample sample = read_sample(file);
-  if (part_key == 0 || sample.mask.width_px <= size_px || sample.mask.width_px != sample.mask.height_px)
-    return example_of(sample, file, light_key, size_px);
-  return example_of(sample, file, light_key, size_px, drawn_window(sample.mask, size_px, part_key));
+Example read_example(const fs::path& file, uint64_t light_key, int size_px, const Variations& keys) {
+  Sample sample = read_sample(file);
+  if (keys.mixture != 0 && !sample.lights.empty()) sample.lights = {mixed_light(sample, keys.mixture)};
+  std::optional<Window> part;
+  if (keys.part != 0 && sample.mask.width_px > size_px && sample.mask.width_px == sample.mask.height_px)
+    part = drawn_window(sample.mask, size_px, keys.part);
+  return example_of(sample, file, light_key, size_px, part);
 }
 
 Camera camera_of(const Sample& sample, const fs::path& path) {

@@ -75,9 +75,15 @@ constexpr float kExposedLevel = 0.8f;
 Example example_of(const Sample& sample, const std::filesystem::path& file, uint64_t light_key, int size_px,
                    const std::optional<Window>& part = {});
 
-/// read_sample and example_of. Unless `part_key` is 0, of the drawn_window of a view larger than size_px.
+/// Keys of what makes more examples of a view; 0: that is left out.
+struct Variations {
+  uint64_t part = 0;     // of drawn_window, where the view is larger than size_px
+  uint64_t mixture = 0;  // of mixed_light
+};
+
+/// read_sample and example_of.
 Example read_example(const std::filesystem::path& file, uint64_t light_key, int size_px,
-                     uint64_t part_key = 0);
+                     const Variations& keys = {});
 
 /// The camera that a sample was rendered by. Throws InputError naming `file` and the ohb:camera... attribute
 /// that is missing or no number.

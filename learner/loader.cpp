@@ -50,8 +50,9 @@ void Loader::work() {
     Result result;
     try {
       const Draw draw = draw_at(settings_.seed, position, views_.size());
-      const uint64_t part_key = settings_.parts_key == 0 ? 0 : key_of({settings_.parts_key, position});
-      result.example = read_example(views_[draw.view], draw.light_key, settings_.size_px, part_key);
+      const auto key = [&](uint64_t of_run) { return of_run == 0 ? 0 : key_of({of_run, position}); };
+      result.example = read_example(views_[draw.view], draw.light_key, settings_.size_px,
+                                    {key(settings_.keys.part), key(settings_.keys.mixture)});
     } catch (...) {
       result.error = std::current_exception();
     }

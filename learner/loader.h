@@ -32,7 +32,7 @@ class Loader {
     int threads = 1, ahead = 4;  // examples held ready at most
     // Positions in blocks: `block` of them, then on to `stride` after the block's first.
     uint64_t block = 1, stride = 1;
-    uint64_t parts_key = 0;  // unless 0, parts of views larger than size_px: see drawn_window
+    Variations keys = {};  // of the run: each position has keys of its own
   };
   /// Throws InputError if there is no view.
   Loader(std::vector<std::filesystem::path> views, Settings settings);

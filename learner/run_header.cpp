@@ -1,6 +1,7 @@
 #include "learner/run_header.h"
 
 #include <map>
+#include <set>
 
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/atomic_folder.h"
@@ -20,6 +21,16 @@ json identity_of_priors(const std::vector<fs::path>& files_or_runs) {
     hashes[name_of(loaded.network.task)] = sha256_of_file(loaded.file);
   }
   return hashes;
+}
+
+/// What the run begins with; whom that was trained on, this run's network has seen too.
+void add_start(const fs::path& file_or_run, json& header) {
+  const LoadedNetwork start = load_network(file_or_run);
+  header["from"] = sha256_of_file(start.file);
+  std::set<std::string> seen = header["trained_on"];
+  for (const std::string& name : start.header.value("trained_on", std::vector<std::string>{}))
+    seen.insert(name);
+  header["trained_on"] = seen;
 }
 
 }  // namespace
@@ -48,6 +59,8 @@ json run_header(const TrainOptions& o, const Dataset& dataset, const Split& spli
   if (o.balanced) header["balanced"] = true;
   if (o.snapshots) header["snapshots"] = true;
   if (o.parts) header["parts"] = true;
+  if (o.mix_lights) header["mix_lights"] = true;
+  if (!o.from.empty()) add_start(o.from, header);
   if (o.average) header["average"] = true;
   // The schedule depends on the number of steps.
   if (o.cosine || o.warmup * 10 > steps) header["schedule_steps"] = steps;
@@ -57,7 +70,7 @@ json run_header(const TrainOptions& o, const Dataset& dataset, const Split& spli
 void check_same_run(const json& before, const json& now, const fs::path& file) {
   json wanted = now;
   for (const char* only_where_it_matters :
-       {"schedule_steps", "recolour", "balanced", "snapshots", "parts", "average"})
+       {"schedule_steps", "recolour", "balanced", "snapshots", "parts", "mix_lights", "average", "from"})
     if (before.contains(only_where_it_matters) && !now.contains(only_where_it_matters))
       wanted[only_where_it_matters] = nullptr;
   // Runs of versions before these were noted cannot be told apart by them.

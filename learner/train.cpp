@@ -1,6 +1,7 @@
 #include "learner/train.h"
 
 #include <ATen/record_function.h>
+#include <fmt/format.h>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
 
@@ -13,13 +14,11 @@
 #include "dataset/model/error.h"
 #include "dataset/model/interrupt.h"
 #include "dataset/model/json_text.h"
+#include "learner/batch.h"
 #include "learner/hash.h"
-#include "learner/loader.h"
 #include "learner/ranks.h"
-#include "learner/recolour.h"
 #include "learner/run_header.h"
 #include "learner/run_log.h"
-#include "learner/snapshot.h"
 
 namespace ohb::learner {
 namespace fs = std::filesystem;
@@ -28,58 +27,18 @@ namespace {
 using nlohmann::json;
 using torch::Tensor;
 
-enum Purpose : uint64_t { kLightPlace = 3, kMirror = 4, kRecolour = 5, kSnapshot = 6, kPart = 7 };
+enum Purpose : uint64_t {
+  kLightPlace = 3,
+  kMirror = 4,
+  kRecolour = 5,
+  kSnapshot = 6,
+  kPart = 7,
+  kMixture = 8
+};
 constexpr double kGrace_s = 6;  // for the step under way, so that it can be saved
 constexpr int64_t kMaxSkippedInARow = 10;
 constexpr double kFinalRate = 1e-6;
 constexpr double kAverageDecay = 0.9995;  // two thousand steps
-
-struct Batch {
-  std::vector<std::string> names;
-  Tensor input, mask;
-  MaterialMaps truth;
-};
-
-/// Left and right exchanged: x components of normals change their sign.
-void mirror(Example& e) {
-  e.input = e.input.flip(3);
-  e.mask = e.mask.flip(3);
-  for (const LearnedMap& map : kMaps) e.truth.*map.tensor = (e.truth.*map.tensor).flip(3);
-  e.truth.normal.select(1, 0).neg_();
-}
-
-/// Keys of what is done to examples; 0: nothing.
-struct Augmentation {
-  uint64_t mirror_key = 0, recolour_key = 0, snapshot_key = 0;
-};
-
-/// Half of the examples are mirrored, another half recoloured, all taken by a camera: which ones and how is a
-/// function of key and position.
-Batch next_batch(Loader& loader, int size, const Augmentation& augmentation, uint64_t first_position) {
-  std::vector<Example> examples;
-  for (int i = 0; i < size; ++i) {
-    const uint64_t position = first_position + static_cast<uint64_t>(i);
-    examples.push_back(loader.next());
-    if (augmentation.mirror_key != 0 && uniform_of(augmentation.mirror_key, position) < 0.5)
-      mirror(examples.back());
-    if (augmentation.recolour_key != 0 && uniform_of(augmentation.recolour_key, position) < 0.5)
-      recolour(examples.back(), key_of({augmentation.recolour_key, position}));
-    if (augmentation.snapshot_key != 0)
-      take_snapshot(examples.back(), key_of({augmentation.snapshot_key, position}));
-  }
-  const auto joined = [&](auto member) {
-    std::vector<Tensor> parts;
-    for (const Example& e : examples) parts.push_back(member(e));
-    return parts.size() == 1 ? parts[0] : torch::cat(parts);
-  };
-  Batch batch;
-  for (const Example& e : examples) batch.names.push_back(e.name);
-  batch.input = joined([](const Example& e) { return e.input; });
-  batch.mask = joined([](const Example& e) { return e.mask; });
-  for (const LearnedMap& map : kMaps)
-    batch.truth.*map.tensor = joined([&](const Example& e) { return e.truth.*map.tensor; });
-  return batch;
-}
 
 /// What one step came to.
 struct Step {
@@ -111,6 +70,18 @@ struct Means {
     return line;
   }
 };
+
+void begin_with(const fs::path& file_or_run, Network& network) {
+  const LoadedNetwork loaded = load_network(file_or_run);
+  if (loaded.network.task != network.task || loaded.network.width != network.width)
+    throw InputError(
+        loaded.file.string(), "",
+        fmt::format("is another network: {}, width {:g}", name_of(loaded.network.task), loaded.network.width),
+        "give one of the model that is trained and of its --width");
+  const torch::NoGradGuard no_gradients;
+  const auto wanted = network.module().parameters(), start = loaded.network.module().parameters();
+  for (size_t i = 0; i < wanted.size(); ++i) wanted[i].copy_(start[i]);
+}
 
 /// A run in progress.
 class Trainer {
@@ -144,8 +115,12 @@ class Trainer {
   }
   Network make_seeded() const {
     torch::manual_seed(options_.seed);
-    return make_network(options_.task, options_.width);
+    Network network = make_network(options_.task, options_.width);
+    if (!options_.from.empty()) begin_with(options_.from, network);
+    return network;
   }
+  /// The run's key for that purpose; 0, which leaves it out, unless it is asked for.
+  uint64_t key_if(bool asked, Purpose purpose) const { return asked ? key_of({options_.seed, purpose}) : 0; }
   AdamW::Options adamw_options() const {
     AdamW::Options adamw;
     adamw.weight_decay = options_.weight_decay;
@@ -305,13 +280,16 @@ TrainReport Trainer::run() {
         {"threads", torch::get_num_threads()},
         {"ranks", ranks_.count()},
         {"options", header_}});
-  Loader loader(views_,
-                {options_.size_px, options_.seed, first_position_of(first_step_ + 1), options_.loader_threads,
-                 4 * batch_of_rank(), static_cast<uint64_t>(batch_of_rank()),
-                 static_cast<uint64_t>(options_.batch), options_.parts ? key_of({options_.seed, kPart}) : 0});
-  const Augmentation augmentation{options_.mirror ? key_of({options_.seed, kMirror}) : 0,
-                                  options_.recolour ? key_of({options_.seed, kRecolour}) : 0,
-                                  options_.snapshots ? key_of({options_.seed, kSnapshot}) : 0};
+  Loader loader(views_, {options_.size_px,
+                         options_.seed,
+                         first_position_of(first_step_ + 1),
+                         options_.loader_threads,
+                         4 * batch_of_rank(),
+                         static_cast<uint64_t>(batch_of_rank()),
+                         static_cast<uint64_t>(options_.batch),
+                         {key_if(options_.parts, kPart), key_if(options_.mix_lights, kMixture)}});
+  const Augmentation augmentation{key_if(options_.mirror, kMirror), key_if(options_.recolour, kRecolour),
+                                  key_if(options_.snapshots, kSnapshot)};
   TrainProgress progress(first_step_, steps_, options_.quiet);
   const int64_t tenth = std::max<int64_t>(1, (steps_ - first_step_) / 10);
   Means logged, first, last;

@@ -23,6 +23,7 @@ enum class Guidance {
 struct TrainOptions {
   Task task = Task::kGeometry;
   std::filesystem::path data, run;
+  std::filesystem::path from;  // weights or run to begin with; empty: random ones
   bool resume = false;
   std::vector<std::string> held_out;  // people; empty: split_people chooses
   double width = 0.25;
@@ -39,6 +40,7 @@ struct TrainOptions {
   bool recolour = false;       // half of the examples with other colours (not in the paper)
   bool snapshots = false;      // pictures as cameras and matting give them (not in the paper)
   bool parts = false;          // parts of people: windows of samples larger than size_px (not in the paper)
+  bool mix_lights = false;     // more lights than were rendered: see mixed_light (not in the paper)
   bool average = false;        // the weights are averages over the last steps (not in the paper)
   Guidance guidance = Guidance::kTruth;
   std::vector<std::filesystem::path> priors;  // three of them for Guidance::kPriors
@@ -67,9 +69,9 @@ struct TrainReport {
 /// are an InputError.
 /// Several processes may train together (Ranks): the batch is that of all of them, each takes its part, and
 /// only the first writes. Same batch, same run, on any number of ranks, up to rounding. Throws InputError:
-/// bad options or data, ranks that disagree, a run that exists (without `resume`) or that was started with
-/// other options (with it); TryAgainError: disk full, another rank that ended, or SIGINT or SIGTERM, after
-/// saving.
+/// bad options or data, `from` of another network, ranks that disagree, a run that exists (without `resume`)
+/// or that was started with other options (with it); TryAgainError: disk full, another rank that ended, or
+/// SIGINT or SIGTERM, after saving.
 TrainReport train(const TrainOptions& options);
 
 /// Throws InputError, naming the option, for values that make no sense together.

@@ -38,6 +38,7 @@ const std::vector<Preset>& presets() {
         {"--recolour", "true"},
         {"--snapshots", "true"},
         {"--parts", "true"},
+        {"--mix-lights", "true"},
         {"--balanced", "true"}}}};
   return all;
 }
@@ -55,7 +56,7 @@ void apply_preset(CLI::App& command, const std::string& name) {
 
 struct Arguments {
   learner::TrainOptions train;
-  std::string task, data, output, preset, guidance = "truth";
+  std::string task, data, output, from, preset, guidance = "truth";
   std::vector<std::string> priors;
 };
 
@@ -77,6 +78,7 @@ int run_train(Arguments arguments, const CommonOptions& common) {
   o.task = learner::task_from_name(arguments.task);
   o.data = arguments.data;
   o.run = arguments.output;
+  o.from = arguments.from;
   o.guidance = arguments.guidance == "priors" ? learner::Guidance::kPriors : learner::Guidance::kTruth;
   o.priors.assign(arguments.priors.begin(), arguments.priors.end());
   o.seed = common.seed;
@@ -150,6 +152,8 @@ void add_losses(CLI::App& command, learner::TrainOptions& o) {
                    "exposure, white balance, tones, blur, noise and mattes as photographs have them");
   command.add_flag("--parts", o.parts,
                    "half bodies and closer: windows of samples larger than --size (the paper does not)");
+  command.add_flag("--mix-lights", o.mix_lights,
+                   "two of a sample's lights at once, in other colours (the paper does not)");
   command.add_flag("--average", o.average,
                    "give the mean of the weights over the last 2000 steps (the paper does not)");
 }
@@ -178,6 +182,8 @@ void add_train_command(CLI::App& app, Commands& commands) {
   command->add_option("-o,--output", arguments->output, "folder of the run")->required();
   command->add_flag("--resume", arguments->train.resume,
                     "go on from the run's last checkpoint, if there is one");
+  command->add_option("--from", arguments->from,
+                      "weights or run to begin with, of this model and width (default: random ones)");
   command->add_option("--hold-out", arguments->train.held_out,
                       "person to keep for testing; may be repeated (default: every fourth)");
   command->add_option("--guidance", arguments->guidance, "finetune: maps to refine while it trains")
@@ -196,6 +202,7 @@ void add_train_command(CLI::App& app, Commands& commands) {
   add_seed_option(*command, commands.common);
   command->footer(program::help_footer(
       {"humanmaterial train geometry --data dataset --size 128 --width 0.25 --epochs 20 -o runs/geometry",
+       "humanmaterial train albedo --from assets/weights/albedo.safetensors --data dataset -o runs/albedo",
        "humanmaterial train finetune --data dataset --guidance priors --priors runs/geometry runs/albedo "
        "runs/rss -o runs/finetune"},
       "SIGINT and SIGTERM save and exit with 75; --resume goes on, bit for bit as if nothing had happened.\n"

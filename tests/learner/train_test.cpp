@@ -240,6 +240,31 @@ TEST(Training, AveragesAreThoseOfTheStepsWeights) {
   expect_message(input_error_of([&] { train(o); }), {"average", "true"});
 }
 
+TEST(Training, BeginsWithGivenWeightsAndRemembersWhomTheySaw) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 3, 1, 16);
+  TrainOptions before = options_of(folder, "before", 3);
+  before.held_out = {"person1", "person2"};
+  const TrainReport report = train(before);
+  TrainOptions o = options_of(folder, "after", 2);
+  o.held_out = {"person0", "person2"};
+  o.from = report.weights;
+  o.learning_rate = 1e-12;
+  o.mix_lights = true;
+  train(o);
+  const auto start = load_network(report.weights), end = load_network(o.run);
+  const auto a = start.network.module().parameters(), b = end.network.module().parameters();
+  for (size_t i = 0; i < a.size(); ++i) EXPECT_TRUE(torch::allclose(a[i], b[i], 0, 1e-6)) << i;
+  EXPECT_EQ(end.header["trained_on"], (std::vector<std::string>{"person0", "person1"}));
+  o.resume = true;
+  o.from.clear();
+  expect_message(input_error_of([&] { train(o); }), {"in the run"});
+  o = options_of(folder, "other", 2);
+  o.from = report.weights;
+  o.width = 0.25;
+  expect_message(input_error_of([&] { train(o); }), {"weights.safetensors", "rss, width 0.125", "--width"});
+}
+
 TEST(Training, RefusesToMixRuns) {
   TemporaryFolder folder;
   write_ball_dataset(folder / "data", 1, 1, 16);
