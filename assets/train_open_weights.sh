@@ -10,10 +10,10 @@ usage: train_open_weights.sh ASSETS OUT [ENVIRONMENT.exr...]
   OUT          gets people, lights, samples, runs/, report/ and results.md; stopped and started again it goes on
   ENVIRONMENT  latitude-longitude maps to train under beside the synthetic ones
 
-199 people to train on (24 of them one closed surface with shading in the picture) and 36 others to test on, who share
-neither people nor lights with them; 8 views x 4 lights a person at 128 x 128. Three priors and the finetuning model at a
-quarter of the paper's width. Hours: docs/measurements/learner.md. THREADS (default: all) must stay the same for a
-resumed run to equal an uninterrupted one bit for bit.
+308 people to train on (24 of them one closed surface with shading in the picture) and 36 others to test on, who share
+neither people nor lights with them; 8 views a person, of 198 at 128 x 128 under 4 lights, of the others at 256 x 256
+under 2, for half bodies and closer. Three priors at a quarter of the paper's width. Hours: docs/measurements/learner.md.
+THREADS (default: all) must stay the same for a resumed run to equal an uninterrupted one bit for bit.
 HELP
   exit 2
 fi
@@ -31,10 +31,12 @@ people() { "$maker" people --assets "$assets" --balanced --atlas 1024 --count "$
 people people_b 84 202
 people people_c 24 304 --fused --baked-shading
 people people_d 96 404
+people people_e 112 505
 people people_test 36 101
-plan_people() {  # the <person> elements of a group, names used before left out
+plan_people() {  # the <person> elements of a group; names used before are left out, and those of who is tested
   for folder in "$out/$1"/p*/; do
     name=$(basename "$folder")
+    [ "$3" = test ] || [ ! -d "$out/people_test/$name" ] || continue
     grep -q "id=\"$name\"" "$2" || echo "  <person id=\"$name\" split=\"$3\" scan=\"$1/$name/${name}_scan.obj\" labels=\"$1/$name/${name}_scan.labels.txt\" licence=\"CC0-1.0\"/>" >>"$2"
   done
 }
@@ -49,29 +51,31 @@ done
 for file in "$@"; do ln -sf "$(realpath "$file")" "$out/lights_train/bl_$(basename "$file")"; done
 
 # Samples.
-sample() {  # NAME SEED SPLIT VIEWS LIGHTS GROUP...
+sample() {  # NAME SEED SPLIT MAPS_PX VIEWS_ATTRIBUTES LIGHTS GROUP...
   local plan=$out/$1.new
-  echo "<plan schema=\"1\" name=\"$1\" seed=\"$2\"><maps size_px=\"512\"/>" >"$plan"
-  for group in "${@:6}"; do plan_people "$group" "$plan" "$3"; done
+  echo "<plan schema=\"1\" name=\"$1\" seed=\"$2\"><maps size_px=\"$4\"/>" >"$plan"
+  for group in "${@:7}"; do plan_people "$group" "$plan" "$3"; done
   echo "  <environments id=\"lights\" folder=\"lights_$3\"/>
-  <views split=\"$3\" count=\"$4\" size_px=\"128\" spp=\"48\"><lights from=\"lights\" count=\"$5\"/></views></plan>" >>"$plan"
+  <views split=\"$3\" $5><lights from=\"lights\" count=\"$6\"/></views></plan>" >>"$plan"
   cmp -s "$plan" "$out/$1.xml" || cp "$plan" "$out/$1.xml"
-  "$maker" produce "$out/$1.xml" --workers 2 -o "$out/$1"
+  mkdir -p "$out/samples_$3"
+  "$maker" produce "$out/$1.xml" --workers 2 -o "$out/samples_$3/$1"
 }
-sample samples 1 train 8 4 people_c people_b people_d
-sample samples_test 2 test 4 3 people_test
+sample far 1 train 512 'count="8" size_px="128" spp="48"' 4 people_c people_b people_d
+sample near 3 train 1024 'count="8" size_px="256" spp="32"' 2 people_e
+sample people 2 test 512 'count="4" size_px="128" spp="48"' 3 people_test
 
-common=(--data "$out/samples/humans" --size 128 --width 0.25 --batch 2 --learning-rate 5e-4 --cosine --mirror --recolour
-  --snapshots --hold-out p0000_f25_asian --threads "${THREADS:-0}" --resume)
+common=(--data "$out/samples_train" --size 128 --width 0.25 --batch 2 --learning-rate 5e-4 --mirror --recolour
+  --snapshots --parts --mix-lights --average --hold-out p0000_f25_asian --threads "${THREADS:-0}" --resume)
 priors=()
 train() {  # MODEL STEPS OPTIONS...
   if [ "$(tail -n 1 "$out/runs/$1/log.jsonl" 2>/dev/null | grep -c "\"done\".*\"step\":$2}")" = 0 ]; then
     "$learner" train "$1" "${common[@]}" --steps "$2" "${@:3}" -o "$out/runs/$1"
   fi
 }
-train geometry 6000
-train albedo 8000
-train rss 6000 --balanced
+train geometry 20000
+train albedo 20000
+train rss 20000 --balanced
 for prior in geometry albedo rss; do priors+=("$out/runs/$prior"); done
-HUMANMATERIAL="$learner" KEEP="$out/report" "$here/results.sh" "$out/samples_test/humans" "$out/results.md" "${priors[@]}"
+HUMANMATERIAL="$learner" KEEP="$out/report" "$here/results.sh" "$out/samples_test" "$out/results.md" "${priors[@]}"
 echo "$out/results.md"

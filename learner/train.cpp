@@ -128,6 +128,18 @@ class Trainer {
     return adamw;
   }
   int batch_of_rank() const { return options_.batch / ranks_.count(); }
+  Loader::Settings loader_settings() const {
+    Loader::Settings settings;
+    settings.size_px = options_.size_px;
+    settings.seed = options_.seed;
+    settings.first_position = first_position_of(first_step_ + 1);
+    settings.threads = options_.loader_threads;
+    settings.ahead = 4 * batch_of_rank();
+    settings.block = static_cast<uint64_t>(batch_of_rank());
+    settings.stride = static_cast<uint64_t>(options_.batch);
+    settings.keys = {key_if(options_.parts, kPart), key_if(options_.mix_lights, kMixture)};
+    return settings;
+  }
   uint64_t first_position_of(int64_t step) const {
     return static_cast<uint64_t>((step - 1) * options_.batch + ranks_.rank() * batch_of_rank());
   }
@@ -280,14 +292,7 @@ TrainReport Trainer::run() {
         {"threads", torch::get_num_threads()},
         {"ranks", ranks_.count()},
         {"options", header_}});
-  Loader loader(views_, {options_.size_px,
-                         options_.seed,
-                         first_position_of(first_step_ + 1),
-                         options_.loader_threads,
-                         4 * batch_of_rank(),
-                         static_cast<uint64_t>(batch_of_rank()),
-                         static_cast<uint64_t>(options_.batch),
-                         {key_if(options_.parts, kPart), key_if(options_.mix_lights, kMixture)}});
+  Loader loader(views_, loader_settings());
   const Augmentation augmentation{key_if(options_.mirror, kMirror), key_if(options_.recolour, kRecolour),
                                   key_if(options_.snapshots, kSnapshot)};
   TrainProgress progress(first_step_, steps_, options_.quiet);
