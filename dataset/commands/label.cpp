@@ -28,6 +28,13 @@ struct Labels {
   std::vector<labelling::Stroke> strokes;
 };
 
+/// What there is to label.
+struct Subject {
+  const Scan& scan;
+  std::vector<double> areas;                      // of the faces, in the scan's unit
+  std::optional<labelling::ScanSurface> surface;  // if the unit is known
+};
+
 /// "a, b and 3 more": the distinct materials of the faces without a class.
 std::string undecided_materials(const Scan& scan, const std::vector<uint8_t>& face_class) {
   std::vector<std::string> names;
@@ -113,44 +120,46 @@ void infer_classes(labelling::Labeller& labeller, const std::vector<labelling::S
   report.warnings.insert(report.warnings.end(), inferred.warnings.begin(), inferred.warnings.end());
 }
 
-double unit_for(const Scan& scan, const LabelJob& job) {
-  return resolve_unit_cm(scan, job.unit.empty() ? std::nullopt : std::optional(job.unit));
+/// Throws InputError if the unit is not known.
+const labelling::ScanSurface& surface_of(const Subject& subject, const LabelJob& job) {
+  if (!subject.surface)
+    resolve_unit_cm(subject.scan, job.unit.empty() ? std::nullopt : std::optional(job.unit));
+  return *subject.surface;
 }
 
-void label_by_strokes(const Scan& scan, const LabelJob& job, const std::vector<double>& areas, Labels& labels,
-                      LabelReport& report) {
-  const double unit_cm = unit_for(scan, job);
+void label_by_strokes(const Subject& subject, const LabelJob& job, Labels& labels, LabelReport& report) {
+  const labelling::ScanSurface& surface = surface_of(subject, job);
+  const Scan& scan = subject.scan;
   if (job.strokes.empty() && !has_picture(scan))
     throw InputError(job.scan.string(), "", "has no picture: there is no colour to infer classes from",
                      "give --rules, --faces or --strokes");
   labelling::Strokes strokes;
-  if (!job.strokes.empty()) strokes = labelling::read_strokes(job.strokes, scan, unit_cm);
+  if (!job.strokes.empty()) strokes = labelling::read_strokes(job.strokes, scan, surface.unit_cm);
   if (!strokes.scan_sha256.empty() && strokes.scan_sha256 != report.scan_sha256)
     throw InputError(job.strokes.string(), "",
                      "was painted on another scan than " + report.scan + " (the hash of the file differs)",
                      "give the strokes of this scan");
   report.method = job.strokes.empty() ? "automatic" : "strokes";
   labels.face_class.assign(scan.face_count(), kUnlabelled);
-  labelling::Labeller labeller(scan, unit_cm, {}, job.leather_share);
+  labelling::Labeller labeller(surface, {}, job.leather_share);
   double last_s = 0;
   for (const labelling::Stroke& stroke : strokes.strokes) last_s = std::max(last_s, stroke.time_s);
   const std::vector<labelling::Stroke> answers = strokes_of_answers(job.answers, labeller, last_s);
   labels.strokes = strokes.strokes;
   labels.strokes.insert(labels.strokes.end(), answers.begin(), answers.end());
-  infer_classes(labeller, labels.strokes, areas, labels, report);
+  infer_classes(labeller, labels.strokes, subject.areas, labels, report);
 }
 
 /// A scan of one part has no more than one name: it tells what the whole is ("body"), not its parts. Infers
 /// the classes if there is a face to start from; gives false, and changes nothing, if not.
-bool infer_where_one_name_is_all(const Scan& scan, const LabelJob& job, const std::vector<double>& areas,
-                                 Labels& labels, LabelReport& report) {
-  const std::optional<double> unit_cm =
-      job.unit.empty() ? guess_unit(scan).unit_cm : std::optional(unit_cm_of(job.unit));
+bool infer_where_one_name_is_all(const Subject& subject, const LabelJob& job, Labels& labels,
+                                 LabelReport& report) {
+  const Scan& scan = subject.scan;
   const uint8_t only = labels.face_class.front();
   const bool is_one_class =
       std::all_of(labels.face_class.begin(), labels.face_class.end(), [&](uint8_t c) { return c == only; });
-  if (!is_one_class || scan.materials.size() > 1 || !unit_cm || !has_picture(scan)) return false;
-  labelling::Labeller labeller(scan, *unit_cm, {}, job.leather_share);
+  if (!is_one_class || scan.materials.size() > 1 || !subject.surface || !has_picture(scan)) return false;
+  labelling::Labeller labeller(*subject.surface, {}, job.leather_share);
   if (!labeller.start().found_face) return false;
   labels.face_class.assign(scan.face_count(), kUnlabelled);
   report.method = "automatic";
@@ -159,12 +168,12 @@ bool infer_where_one_name_is_all(const Scan& scan, const LabelJob& job, const st
       std::string("names would make every face ") + kClassNames[only] +
       ": inferred from body, colour and texture instead; look at them, and correct them "
       "with --strokes");
-  infer_classes(labeller, {}, areas, labels, report);
+  infer_classes(labeller, {}, subject.areas, labels, report);
   return true;
 }
 
-void label_by_rules(const Scan& scan, const LabelJob& job, const std::vector<double>& areas, Labels& labels,
-                    LabelReport& report) {
+void label_by_rules(const Subject& subject, const LabelJob& job, Labels& labels, LabelReport& report) {
+  const Scan& scan = subject.scan;
   const bool is_given = !job.rules.empty();
   report.method = is_given ? "rules" : "names";
   const LabelRules rules = read_label_rules(is_given ? job.rules : program_file("assets/rules_by_name.xml"));
@@ -172,9 +181,9 @@ void label_by_rules(const Scan& scan, const LabelJob& job, const std::vector<dou
       rules.use_colour() ? labelling::mean_face_colours(scan) : std::vector<Vec3f>();
   RuleOutcome outcome;
   labels.face_class = apply_rules(rules, scan, colours, outcome);
-  report_rules(rules, outcome, areas, is_given, report);
+  report_rules(rules, outcome, subject.areas, is_given, report);
   const size_t undecided = undecided_faces(labels.face_class);
-  if (!is_given && undecided == 0 && infer_where_one_name_is_all(scan, job, areas, labels, report)) return;
+  if (!is_given && undecided == 0 && infer_where_one_name_is_all(subject, job, labels, report)) return;
   if (undecided == 0) return;
   const std::string count = std::to_string(undecided) + " of " + std::to_string(scan.face_count()) + " faces";
   const std::string where = " (material " + undecided_materials(scan, labels.face_class) + ")";
@@ -191,31 +200,30 @@ void label_by_rules(const Scan& scan, const LabelJob& job, const std::vector<dou
   report.warnings.push_back("names do not tell the class of " + count + where +
                             ": inferred from body, colour and texture; look at them, and correct them with "
                             "--strokes");
-  labelling::Labeller labeller(scan, unit_for(scan, job), {}, job.leather_share);
-  infer_classes(labeller, {}, areas, labels, report);
+  labelling::Labeller labeller(surface_of(subject, job), {}, job.leather_share);
+  infer_classes(labeller, {}, subject.areas, labels, report);
 }
 
 /// Writes the class maps, along the picture's borders or the faces'.
-void write_maps(const fs::path& folder, const Scan& scan, const LabelJob& job, const Labels& labels,
+void write_maps(const fs::path& folder, const Subject& subject, const LabelJob& job, const Labels& labels,
                 LabelReport& report) {
   FaceLabels shown{labels.face_class, labels.confidence};
   std::optional<labelling::TexelLabels> texels;
   std::optional<labelling::SoftBorders> borders;
-  if (!report.unit_cm) {
+  if (!subject.surface) {
     report.warnings.push_back("the unit is not known: borders are hard; give --unit");
   } else if (job.refine == RefineBorders::kOn ||
              (job.refine == RefineBorders::kAuto && !labels.confidence.empty())) {
-    texels.emplace(scan, *report.unit_cm, labels.face_class, labels.is_given,
-                   job.refine == RefineBorders::kAuto);
+    texels.emplace(*subject.surface, labels.face_class, labels.is_given, job.refine == RefineBorders::kAuto);
     report.texel_borders = texels->summary();
-    borders.emplace(scan, *report.unit_cm, mesh_topology(scan), texels->borders(), texels->classes_of_face());
+    borders.emplace(*subject.surface, texels->borders(), texels->classes_of_face());
     shown.texels = &*texels;
-    shown.unit_cm = *report.unit_cm;
+    shown.unit_cm = subject.surface->unit_cm;
   } else {
-    borders.emplace(scan, *report.unit_cm, labels.face_class);
+    borders.emplace(*subject.surface, labels.face_class);
   }
   if (borders) shown.borders = &*borders;
-  for (const std::string& name : write_class_maps(folder, scan, shown))
+  for (const std::string& name : write_class_maps(folder, subject.scan, shown))
     report.warnings.push_back("material '" + name + "' has faces without usable UVs: no class map for it");
 }
 
@@ -273,31 +281,35 @@ LabelReport label_scan(const LabelJob& job) {
   Scan scan = read_scan(job.scan);
   turn_up(scan, job.up);
   folder.protect(picture_files(scan));
-  const std::vector<double> areas = face_areas(scan);
+  Subject subject{scan, face_areas(scan), {}};
   LabelReport report;
   report.scan = job.scan.filename().string();
   report.unit_cm = job.unit.empty() ? guess_unit(scan).unit_cm : unit_cm_of(job.unit);
-  if (report.unit_cm) expect_upright(scan, *report.unit_cm, job.up);
+  if (report.unit_cm) {
+    expect_upright(scan, *report.unit_cm, job.up);
+    subject.surface.emplace(scan, *report.unit_cm);
+  }
   report.scan_sha256 = sha256_of_file(job.scan);
   Labels labels;
   if (!job.strokes.empty() || job.automatic) {
-    label_by_strokes(scan, job, areas, labels, report);
+    label_by_strokes(subject, job, labels, report);
   } else if (job.faces.empty()) {
-    label_by_rules(scan, job, areas, labels, report);
+    label_by_rules(subject, job, labels, report);
   } else {
     report.method = "faces";
     labels.face_class = classes_of_file(job.faces, scan, job);
   }
   const Regions regions{labels.face_class, report.scan_sha256, job.up};
-  report_classes(regions.face_class, areas, report);
+  report_classes(regions.face_class, subject.areas, report);
   if (report.unlabelled.faces > 0)
     report.warnings.push_back(std::to_string(report.unlabelled.faces) +
                               " faces are unlabelled; bake needs all");
   if (!job.truth.empty())
-    report.truth = compare_with_truth(regions.face_class, classes_of_file(job.truth, scan, job), areas);
+    report.truth =
+        compare_with_truth(regions.face_class, classes_of_file(job.truth, scan, job), subject.areas);
   write_regions(folder.path(), regions);
   write_strokes(folder.path() / "strokes.xml", job, labels, report.scan_sha256);
-  write_maps(folder.path(), scan, job, labels, report);
+  write_maps(folder.path(), subject, job, labels, report);
   write_previews(folder.path(), scan, labels.face_class, labels.question_of_face, report);
   write_file_atomically(folder.path() / "report.json", json_text(to_json(report), 2) + "\n");
   write_file_atomically(folder.path() / "report.txt", to_text(report));

@@ -90,7 +90,7 @@ class Session {
                          "give the strokes of this scan");
       strokes_.strokes = given.strokes;
     }
-    labeller_.emplace(scan_, unit_cm_);
+    labeller_.emplace(labelling::ScanSurface(scan_, unit_cm_));
   }
 
   Json hello() {

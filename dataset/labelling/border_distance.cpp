@@ -25,14 +25,6 @@ float squared_distance(Vec3f a, Vec3f b, Vec3f c, Vec3f d) {
       std::min(squared(c - nearest_on_segment(c, a, b)), squared(d - nearest_on_segment(d, a, b))));
 }
 
-std::vector<Vec3f> points_cm(const Scan& scan, const MeshTopology& topology, float unit_cm) {
-  std::vector<Vec3f> points(topology.point_count);
-  for (size_t i = 0; i < scan.positions.size(); ++i)
-    if (topology.point_of_position[i] != MeshTopology::kNoPoint)
-      points[topology.point_of_position[i]] = scan.positions[i] * unit_cm;
-  return points;
-}
-
 /// Calls visit(edge, one face, other face) for each pair of faces at each edge, in both orders.
 template <typename Visit>
 void each_meeting(const MeshTopology& topology, const Visit& visit) {
@@ -49,28 +41,33 @@ void each_meeting(const MeshTopology& topology, const Visit& visit) {
 
 }  // namespace
 
-std::vector<BorderPiece> borders_of_faces(const Scan& scan, const MeshTopology& topology, double unit_cm,
+std::vector<BorderPiece> borders_of_faces(const ScanSurface& surface,
                                           const std::vector<uint8_t>& face_class) {
-  const std::vector<Vec3f> point = points_cm(scan, topology, static_cast<float>(unit_cm));
+  const std::vector<Vec3f> point = surface.points_cm();
   std::vector<BorderPiece> pieces;
-  each_meeting(topology, [&](uint32_t e, uint32_t one, uint32_t other) {
+  each_meeting(surface.topology, [&](uint32_t e, uint32_t one, uint32_t other) {
     const uint8_t own = face_class[one], beyond = face_class[other];
     if (own == beyond || own >= kClassCount || beyond >= kClassCount) return;
-    const MeshEdge& edge = topology.edges[e];
+    const MeshEdge& edge = surface.topology.edges[e];
     pieces.push_back({one, other, own, beyond, point[edge.point[0]], point[edge.point[1]]});
   });
   return pieces;
 }
 
-BorderDistance::BorderDistance(const Scan& scan, const MeshTopology& topology, double unit_cm,
-                               const std::vector<BorderPiece>& pieces,
+std::vector<uint8_t> class_bits(const std::vector<uint8_t>& face_class) {
+  std::vector<uint8_t> bits;
+  for (uint8_t c : face_class) bits.push_back(c < kClassCount ? static_cast<uint8_t>(1u << c) : uint8_t{0});
+  return bits;
+}
+
+BorderDistance::BorderDistance(const ScanSurface& surface, const std::vector<BorderPiece>& pieces,
                                const std::vector<uint8_t>& classes_of_face, const Reach& reach_cm) {
-  const std::vector<Vec3f> point = points_cm(scan, topology, static_cast<float>(unit_cm));
+  const std::vector<Vec3f> point = surface.points_cm();
   struct Way {
     uint32_t to, edge;
   };
   std::vector<std::vector<Way>> ways(classes_of_face.size());
-  each_meeting(topology, [&](uint32_t e, uint32_t one, uint32_t other) {
+  each_meeting(surface.topology, [&](uint32_t e, uint32_t one, uint32_t other) {
     if (classes_of_face[one] & classes_of_face[other]) ways[one].push_back({other, e});
   });
   // From each piece over the faces of its side, as far as their edges are within reach.
@@ -85,7 +82,7 @@ BorderDistance::BorderDistance(const Scan& scan, const MeshTopology& topology, d
       found.emplace_back(open[i], p);
       for (const Way& way : ways[open[i]]) {
         if (seen_by[way.to] == p + 1 || !(classes_of_face[way.to] >> piece.own & 1)) continue;
-        const MeshEdge& edge = topology.edges[way.edge];
+        const MeshEdge& edge = surface.topology.edges[way.edge];
         if (squared_distance(piece.a, piece.b, point[edge.point[0]], point[edge.point[1]]) > reach * reach)
           continue;
         seen_by[way.to] = p + 1;

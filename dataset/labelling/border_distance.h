@@ -4,8 +4,7 @@
 #include <vector>
 
 #include "dataset/labelling/alpha_expansion.h"
-#include "dataset/model/mesh_topology.h"
-#include "dataset/model/scan.h"
+#include "dataset/labelling/scan_surface.h"
 
 namespace ohb::labelling {
 
@@ -17,8 +16,10 @@ struct BorderPiece {
 };
 
 /// The edges that faces of two classes share on the welded mesh, once from each side.
-std::vector<BorderPiece> borders_of_faces(const Scan& scan, const MeshTopology& topology, double unit_cm,
-                                          const std::vector<uint8_t>& face_class);
+std::vector<BorderPiece> borders_of_faces(const ScanSurface& surface, const std::vector<uint8_t>& face_class);
+
+/// One bit a class that occurs in the face: its own; none without a class.
+std::vector<uint8_t> class_bits(const std::vector<uint8_t>& face_class);
 
 class BorderDistance {
  public:
@@ -26,9 +27,8 @@ class BorderDistance {
 
   /// `classes_of_face`: one bit a class that occurs in the face. `reach_cm[own][other]`: how far pieces of
   /// that pair matter.
-  BorderDistance(const Scan& scan, const MeshTopology& topology, double unit_cm,
-                 const std::vector<BorderPiece>& pieces, const std::vector<uint8_t>& classes_of_face,
-                 const Reach& reach_cm);
+  BorderDistance(const ScanSurface& surface, const std::vector<BorderPiece>& pieces,
+                 const std::vector<uint8_t>& classes_of_face, const Reach& reach_cm);
 
   /// Whether a border is within reach of some point of the face.
   bool is_near(uint32_t face) const { return first_[face] < first_[face + 1]; }

@@ -42,10 +42,10 @@ void gather_around(const FaceFeatures& features, uint32_t face, Vec3f& mean, Vec
 
 }  // namespace
 
-FaceFeatures face_features(const Scan& scan, double unit_cm) {
+FaceFeatures face_features(const ScanSurface& surface) {
   FaceFeatures features;
-  features.graph = face_graph(scan, unit_cm);
-  const std::vector<FaceColour> colours = lab_face_colours(scan);
+  features.graph = face_graph(surface);
+  const std::vector<FaceColour> colours = lab_face_colours(surface.scan);
   const size_t faces = colours.size();
   for (const FaceColour& colour : colours) {
     features.lab.push_back(colour.lab);

@@ -23,8 +23,8 @@ struct FaceFeatures {
   size_t size() const { return graph.size(); }
 };
 
-/// `unit_cm`: cm a unit of the scan. Throws InputError for a picture that cannot be read.
-FaceFeatures face_features(const Scan& scan, double unit_cm);
+/// Throws InputError for a picture that cannot be read.
+FaceFeatures face_features(const ScanSurface& surface);
 
 /// How alike the two faces of each edge are, in (kLeastLikeness, 1]: exp(-dE^2 / 2 s^2) of their colours, s
 /// the median difference and the texture of both, less across creases and bridges. One number an edge of the

@@ -28,15 +28,6 @@ void measure_faces(const Scan& scan, float unit_cm, FaceGraph& graph) {
   }
 }
 
-/// The position of each welded point in cm.
-std::vector<Vec3f> point_positions(const Scan& scan, const MeshTopology& topology, float unit_cm) {
-  std::vector<Vec3f> points(topology.point_count);
-  for (size_t i = scan.positions.size(); i-- > 0;)
-    if (topology.point_of_position[i] != MeshTopology::kNoPoint)
-      points[topology.point_of_position[i]] = scan.positions[i] * unit_cm;
-  return points;
-}
-
 float fold_between(const FaceGraph& graph, uint32_t a, uint32_t b) {
   const Vec3f turn = graph.normal[b] - graph.normal[a];
   const float ridge = dot(turn, graph.centre_cm[b] - graph.centre_cm[a]);
@@ -100,7 +91,9 @@ struct PointFaces {
   std::vector<float> area_cm2;
 };
 
-PointFaces faces_of_points(const Scan& scan, const MeshTopology& topology, const FaceGraph& graph) {
+PointFaces faces_of_points(const ScanSurface& surface, const FaceGraph& graph) {
+  const Scan& scan = surface.scan;
+  const MeshTopology& topology = surface.topology;
   PointFaces of;
   of.face.assign(topology.point_count, MeshTopology::kNoPoint);
   of.area_cm2.assign(topology.point_count, 0);
@@ -115,10 +108,9 @@ PointFaces faces_of_points(const Scan& scan, const MeshTopology& topology, const
   return of;
 }
 
-void add_bridges(const Scan& scan, const MeshTopology& topology, const std::vector<Vec3f>& points,
-                 FaceGraph& graph) {
+void add_bridges(const ScanSurface& surface, const std::vector<Vec3f>& points, FaceGraph& graph) {
   if (graph.component_count < 2) return;
-  const PointFaces of = faces_of_points(scan, topology, graph);
+  const PointFaces of = faces_of_points(surface, graph);
   const PointGrid grid(points);
   for (uint32_t p = 0; p < points.size(); ++p) {
     const uint32_t component = graph.component[of.face[p]];
@@ -170,16 +162,15 @@ void list_neighbours(FaceGraph& graph) {
 
 }  // namespace
 
-FaceGraph face_graph(const Scan& scan, double unit_cm) {
-  const auto unit = static_cast<float>(unit_cm);
-  const MeshTopology topology = mesh_topology(scan);
-  const std::vector<Vec3f> points = point_positions(scan, topology, unit);
+FaceGraph face_graph(const ScanSurface& surface) {
+  const MeshTopology& topology = surface.topology;
+  const std::vector<Vec3f> points = surface.points_cm();
   FaceGraph graph;
-  measure_faces(scan, unit, graph);
+  measure_faces(surface.scan, static_cast<float>(surface.unit_cm), graph);
   graph.component = topology.component_of_face;
   graph.component_count = topology.component_count;
   add_shared_edges(topology, points, graph);
-  add_bridges(scan, topology, points, graph);
+  add_bridges(surface, points, graph);
   merge_edges(graph.edges);
   list_neighbours(graph);
   return graph;

@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "dataset/model/mesh_topology.h"
-#include "dataset/model/scan.h"
+#include "dataset/labelling/scan_surface.h"
 
 namespace ohb::labelling {
 
@@ -42,7 +41,6 @@ constexpr double kBridgeReach_cm = 0.6;
 
 /// Around an edge of more than two faces each is joined with the next in face order, so that no stroke stops
 /// there. Every point within reach of another component gives one bridge to that component's nearest face.
-/// `unit_cm`: cm a unit of the scan.
-FaceGraph face_graph(const Scan& scan, double unit_cm);
+FaceGraph face_graph(const ScanSurface& surface);
 
 }  // namespace ohb::labelling

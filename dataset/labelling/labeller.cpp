@@ -39,8 +39,8 @@ LabelModel model_with(float leather_share) {
 
 }  // namespace
 
-Labeller::Labeller(const Scan& scan, double unit_cm, LabelTerms terms, float leather_share)
-    : Labeller(face_features(scan, unit_cm), unit_cm, model_with(leather_share), terms) {}
+Labeller::Labeller(const ScanSurface& surface, LabelTerms terms, float leather_share)
+    : Labeller(face_features(surface), surface.unit_cm, model_with(leather_share), terms) {}
 
 Labeller::Labeller(FaceFeatures features, double unit_cm, LabelModel model, LabelTerms terms)
     : unit_cm_(unit_cm),

@@ -45,10 +45,11 @@ struct Labelling {
 
 class Labeller {
  public:
-  /// Reads the pictures and builds the graph. `unit_cm`: cm a unit of the scan. Throws InputError for a
-  /// picture that cannot be read. `leather_share`: see LabelModel.
-  Labeller(const Scan& scan, double unit_cm, LabelTerms terms = {}, float leather_share = kLeatherShare);
-  /// The same from features that are there already, with what was learned from other people.
+  /// Reads the pictures and builds the graph. Throws InputError for a picture that cannot be read.
+  /// `leather_share`: see LabelModel.
+  explicit Labeller(const ScanSurface& surface, LabelTerms terms = {}, float leather_share = kLeatherShare);
+  /// The same from features that are there already, with what was learned from other people. `unit_cm`: cm a
+  /// unit of the scan.
   Labeller(FaceFeatures features, double unit_cm, LabelModel model, LabelTerms terms = {});
 
   /// Labels for all these strokes (none: from the start labels alone). They must fit the scan (see

@@ -12,26 +12,15 @@ BorderDistance::Reach half_widths() {
   return half;
 }
 
-std::vector<uint8_t> bits_of(const std::vector<uint8_t>& face_class) {
-  std::vector<uint8_t> bits;
-  for (uint8_t c : face_class) bits.push_back(c < kClassCount ? static_cast<uint8_t>(1u << c) : uint8_t{0});
-  return bits;
-}
-
 }  // namespace
 
-SoftBorders::SoftBorders(const Scan& scan, double unit_cm, const std::vector<uint8_t>& face_class)
-    : SoftBorders(scan, unit_cm, mesh_topology(scan), face_class) {}
+SoftBorders::SoftBorders(const ScanSurface& surface, const std::vector<uint8_t>& face_class)
+    : SoftBorders(surface, borders_of_faces(surface, face_class), class_bits(face_class)) {}
 
-SoftBorders::SoftBorders(const Scan& scan, double unit_cm, const MeshTopology& topology,
-                         const std::vector<uint8_t>& face_class)
-    : SoftBorders(scan, unit_cm, topology, borders_of_faces(scan, topology, unit_cm, face_class),
-                  bits_of(face_class)) {}
-
-SoftBorders::SoftBorders(const Scan& scan, double unit_cm, const MeshTopology& topology,
-                         const std::vector<BorderPiece>& pieces, const std::vector<uint8_t>& classes_of_face)
-    : unit_cm_(static_cast<float>(unit_cm)),
-      distance_(scan, topology, unit_cm, pieces, classes_of_face, half_widths()) {}
+SoftBorders::SoftBorders(const ScanSurface& surface, const std::vector<BorderPiece>& pieces,
+                         const std::vector<uint8_t>& classes_of_face)
+    : unit_cm_(static_cast<float>(surface.unit_cm)),
+      distance_(surface, pieces, classes_of_face, half_widths()) {}
 
 ClassValues SoftBorders::shares_at(uint32_t face, uint8_t own, Vec3f at) const {
   ClassValues odds{};  // against the class at the point

@@ -11,12 +11,12 @@ namespace ohb::labelling {
 
 class SoftBorders {
  public:
-  /// `unit_cm`: cm a unit of the scan. Borders are the edges that faces of two classes share on the welded
-  /// mesh; where parts only touch, borders stay hard.
-  SoftBorders(const Scan& scan, double unit_cm, const std::vector<uint8_t>& face_class);
+  /// Borders are the edges that faces of two classes share on the welded mesh; where parts only touch,
+  /// borders stay hard.
+  SoftBorders(const ScanSurface& surface, const std::vector<uint8_t>& face_class);
   /// Other borders: `classes_of_face` has one bit a class that occurs in the face.
-  SoftBorders(const Scan& scan, double unit_cm, const MeshTopology& topology,
-              const std::vector<BorderPiece>& pieces, const std::vector<uint8_t>& classes_of_face);
+  SoftBorders(const ScanSurface& surface, const std::vector<BorderPiece>& pieces,
+              const std::vector<uint8_t>& classes_of_face);
 
   /// Whether a border is so near that some point of the face is a mixture.
   bool is_near(uint32_t face) const { return distance_.is_near(face); }
@@ -28,9 +28,6 @@ class SoftBorders {
   ClassValues shares_at(uint32_t face, uint8_t own, Vec3f point) const;
 
  private:
-  SoftBorders(const Scan& scan, double unit_cm, const MeshTopology& topology,
-              const std::vector<uint8_t>& face_class);
-
   float unit_cm_;
   BorderDistance distance_;
 };

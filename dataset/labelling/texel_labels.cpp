@@ -30,12 +30,6 @@ struct Node {
   float area;            // cm2
 };
 
-std::vector<uint8_t> bits_of(const std::vector<uint8_t>& face_class) {
-  std::vector<uint8_t> bits;
-  for (uint8_t c : face_class) bits.push_back(c < kClassCount ? static_cast<uint8_t>(1u << c) : uint8_t{0});
-  return bits;
-}
-
 }  // namespace
 
 std::pair<int, int> class_map_size(const ScanMaterial& material) {
@@ -50,13 +44,12 @@ std::pair<int, int> class_map_size(const ScanMaterial& material) {
 /// The steps of a refinement.
 class TexelSolve {
  public:
-  TexelSolve(const Scan& scan, double unit_cm, TexelLabels& labels, const std::vector<bool>& fixed_faces)
-      : scan_(scan),
-        unit_cm_(unit_cm),
+  TexelSolve(const ScanSurface& scan_surface, TexelLabels& labels, const std::vector<bool>& fixed_faces)
+      : scan_surface_(scan_surface),
+        scan_(scan_surface.scan),
         labels_(labels),
         fixed_faces_(fixed_faces),
-        topology_(mesh_topology(scan)),
-        pieces_(borders_of_faces(scan, topology_, unit_cm, labels.face_class_)) {
+        pieces_(borders_of_faces(scan_surface, labels.face_class_)) {
     double weighed = 0;
     for (const BorderPiece& piece : pieces_) {
       const double edge = length(piece.b - piece.a);
@@ -68,7 +61,7 @@ class TexelSolve {
 
   void run(bool only_if_coarse) {
     TexelLabels::Summary& summary = labels_.summary_;
-    labels_.classes_of_face_ = bits_of(labels_.face_class_);
+    labels_.classes_of_face_ = class_bits(labels_.face_class_);
     if (pieces_.empty()) {
       summary.reason = "no two classes share an edge of the mesh";
     } else if (only_if_coarse && summary.edge_cm <= kFineEdge_cm) {
@@ -85,10 +78,10 @@ class TexelSolve {
   void solve() {
     BorderDistance::Reach reach;
     for (auto& row : reach) row.fill(2 * band_cm_);
-    const BorderDistance distance(scan_, topology_, unit_cm_, pieces_, labels_.classes_of_face_, reach);
+    const BorderDistance distance(scan_surface_, pieces_, labels_.classes_of_face_, reach);
     std::vector<bool> is_near;
     for (uint32_t f = 0; f < scan_.face_count(); ++f) is_near.push_back(distance.is_near(f));
-    surface_.emplace(scan_, topology_, unit_cm_, is_near);
+    surface_.emplace(scan_surface_, is_near);
     labels_.is_refined_.assign(scan_.face_count(), false);
     labels_.grids_.resize(scan_.materials.size());
     for (uint32_t s = 0; s < surface_->sheets().size(); ++s) add_nodes(s, distance);
@@ -294,11 +287,10 @@ class TexelSolve {
     }
   }
 
+  const ScanSurface& scan_surface_;
   const Scan& scan_;
-  const double unit_cm_;
   TexelLabels& labels_;
   const std::vector<bool>& fixed_faces_;
-  const MeshTopology topology_;
   std::vector<BorderPiece> pieces_;
   float band_cm_ = 0;
   std::optional<TexelSurface> surface_;
@@ -308,10 +300,10 @@ class TexelSolve {
   LocalColours colours_;
 };
 
-TexelLabels::TexelLabels(const Scan& scan, double unit_cm, const std::vector<uint8_t>& face_class,
+TexelLabels::TexelLabels(const ScanSurface& surface, const std::vector<uint8_t>& face_class,
                          const std::vector<bool>& fixed_faces, bool only_if_coarse)
     : face_class_(face_class) {
-  TexelSolve(scan, unit_cm, *this, fixed_faces).run(only_if_coarse);
+  TexelSolve(surface, *this, fixed_faces).run(only_if_coarse);
 }
 
 uint8_t TexelLabels::class_at(size_t material, uint32_t face, double x, double y, Vec3f point_cm) const {

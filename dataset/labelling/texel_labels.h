@@ -46,7 +46,7 @@ class TexelLabels {
   /// `fixed_faces` (one each, or empty) keep their class. With `only_if_coarse` nothing is done where edges
   /// are so short that a border along them is as good. Faces without a picture, usable UVs or class stay as
   /// they are. Throws InputError for a picture that cannot be read.
-  TexelLabels(const Scan& scan, double unit_cm, const std::vector<uint8_t>& face_class,
+  TexelLabels(const ScanSurface& surface, const std::vector<uint8_t>& face_class,
               const std::vector<bool>& fixed_faces, bool only_if_coarse);
 
   /// The class at a point (cm) of a face that the texel at (x, y), in shares of the picture from its upper

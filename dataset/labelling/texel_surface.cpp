@@ -27,12 +27,14 @@ size_t texel_under(int width, int height, Vec2f uv) {
 
 }  // namespace
 
-TexelSurface::TexelSurface(const Scan& scan, const MeshTopology& topology, double unit_cm,
-                           const std::vector<bool>& wanted_faces)
-    : scan_(scan), topology_(topology), unit_cm_(static_cast<float>(unit_cm)), wanted_(wanted_faces) {
-  const std::vector<ScanTriangle> triangles = triangulate(scan);
-  for (size_t m = 0; m < scan.materials.size(); ++m)
-    if (!scan.materials[m].diffuse.empty()) add_sheet(triangles, m);
+TexelSurface::TexelSurface(const ScanSurface& surface, const std::vector<bool>& wanted_faces)
+    : surface_(surface),
+      scan_(surface.scan),
+      unit_cm_(static_cast<float>(surface.unit_cm)),
+      wanted_(wanted_faces) {
+  const std::vector<ScanTriangle> triangles = triangulate(scan_);
+  for (size_t m = 0; m < scan_.materials.size(); ++m)
+    if (!scan_.materials[m].diffuse.empty()) add_sheet(triangles, m);
 }
 
 void TexelSurface::measure(Sheet& sheet, int width, int height) const {
@@ -167,7 +169,7 @@ TexelSurface::Side TexelSurface::side_of(const MeshEdge& edge, uint32_t face) co
     side.middle_uv =
         side.middle_uv + (1.0f / static_cast<float>(last - begin)) * scan_.uvs[scan_.corners[c].uv];
     for (int end = 0; end < 2; ++end)
-      if (topology_.point_of_position[scan_.corners[c].position] == edge.point[end]) {
+      if (surface_.topology.point_of_position[scan_.corners[c].position] == edge.point[end]) {
         side.uv[end] = scan_.uvs[scan_.corners[c].uv];
         side.at[end] = scan_.positions[scan_.corners[c].position] * unit_cm_;
       }
@@ -177,10 +179,10 @@ TexelSurface::Side TexelSurface::side_of(const MeshEdge& edge, uint32_t face) co
 
 void TexelSurface::link_seams(std::vector<TexelLink>& links) const {
   const auto is_same = [](Vec2f l, Vec2f r) { return l.x == r.x && l.y == r.y; };
-  for (const MeshEdge& edge : topology_.edges)
+  for (const MeshEdge& edge : surface_.topology.edges)
     for (uint32_t u = 1; u < edge.use_count; ++u) {
-      const Side one = side_of(edge, topology_.uses[edge.first_use + u - 1].face),
-                 two = side_of(edge, topology_.uses[edge.first_use + u].face);
+      const Side one = side_of(edge, surface_.topology.uses[edge.first_use + u - 1].face),
+                 two = side_of(edge, surface_.topology.uses[edge.first_use + u].face);
       if (one.sheet == kNoSheet || two.sheet == kNoSheet || one.face == two.face) continue;
       if (one.sheet != two.sheet || !is_same(one.uv[0], two.uv[0]) || !is_same(one.uv[1], two.uv[1]))
         link_along(one, two, links);

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "dataset/labelling/face_colours.h"
+#include "dataset/labelling/scan_surface.h"
 #include "dataset/model/image.h"
-#include "dataset/model/mesh_topology.h"
 
 namespace ohb::labelling {
 
@@ -23,9 +23,8 @@ class TexelSurface {
  public:
   /// Of the materials with a picture and usable UVs that have wanted faces; pictures finer than
   /// kLeastTexel_cm are averaged. Only texels of wanted faces are there. Throws InputError for a picture that
-  /// cannot be read.
-  TexelSurface(const Scan& scan, const MeshTopology& topology, double unit_cm,
-               const std::vector<bool>& wanted_faces);
+  /// cannot be read. Keeps a reference to the surface.
+  TexelSurface(const ScanSurface& surface, const std::vector<bool>& wanted_faces);
 
   /// One material's texels.
   struct Sheet {
@@ -80,8 +79,8 @@ class TexelSurface {
   Side side_of(const MeshEdge& edge, uint32_t face) const;
   void link_along(const Side& one, const Side& two, std::vector<TexelLink>& links) const;
 
+  const ScanSurface& surface_;
   const Scan& scan_;
-  const MeshTopology& topology_;
   const float unit_cm_;
   const std::vector<bool> wanted_;
   std::vector<Sheet> sheets_;

@@ -162,7 +162,7 @@ FitHuman prepare_fit(const RobotHuman& human) {
   fit.person = human.name.substr(0, human.name.find('_'));
   fit.garments = garments_of(human.file, fit.is_generated);
   fit.unit_cm = guess_unit(human.scan).unit_cm.value_or(1);
-  fit.features = face_features(human.scan, fit.unit_cm);
+  fit.features = face_features({human.scan, fit.unit_cm});
   fit.cues = start_cues(fit.features).cues;
   return fit;
 }

@@ -22,7 +22,7 @@ RobotHuman read_robot_human(const std::filesystem::path& file) {
 
 void run_robot(const RobotHuman& human, const std::string& series, const RobotMethod& method,
                const RobotNoise& noise, int count, std::vector<RobotPoint>& points) {
-  Labeller labeller(human.scan, guess_unit(human.scan).unit_cm.value_or(1), method.terms);
+  Labeller labeller({human.scan, guess_unit(human.scan).unit_cm.value_or(1)}, method.terms);
   const FaceGraph& graph = labeller.features().graph;
   std::mt19937 random(static_cast<uint32_t>(human.scan.face_count()));  // another one each
   std::vector<Stroke> strokes;

@@ -27,7 +27,7 @@ void paint(TubePerson& person, const Where& where, Vec3f srgb, MaterialClass mat
       for (int c = 0; c < 3; ++c) picture.pixel(x, y)[c] = srgb[c] + grain;
     }
   write_png(person.folder / "tube.png", picture);
-  const FaceGraph graph = face_graph(person.scan, 1);
+  const FaceGraph graph = face_graph({person.scan, 1});
   for (size_t f = 0; f < graph.size(); ++f)
     if (where(std::atan2(graph.centre_cm[f].x, graph.centre_cm[f].z), graph.centre_cm[f].y))
       person.truth[f] = material_class;
@@ -41,7 +41,7 @@ struct Answered {
 /// Labels and answers all questions as the truth has it.
 Answered answered(const TubePerson& person) {
   const std::vector<double> area = face_areas(person.scan);
-  Labeller labeller(person.scan, 1);
+  Labeller labeller({person.scan, 1});
   const Labelling labels = labeller.solve({});
   Answered result;
   result.before = compare_with_truth(labels.face_class, person.truth, area).accuracy;
@@ -102,7 +102,7 @@ TEST(LabelHead, ABraidOnADarkJacketHangsFromTheHead) {
   paint(
       person, [](double, double y_cm) { return y_cm > 85 && y_cm < 146; }, {0.26f, 0.17f, 0.12f}, kLeather);
   paint(person, is_braid, hair, kHair);
-  const FaceFeatures features = face_features(person.scan, 1);
+  const FaceFeatures features = face_features({person.scan, 1});
   const StartCues cues = start_cues(features);
   constexpr int kJoinedLow = 6;
   ASSERT_STREQ(kCueNames[kJoinedLow], "hair_joined_low");
@@ -137,7 +137,7 @@ Scan sheet(int side) {
 TEST(LabelPatches, BitsOnAGarmentAreOfItUnlessTheyAreTold) {
   constexpr int kSide = 40;
   FaceFeatures features;
-  features.graph = face_graph(sheet(kSide), 1);
+  features.graph = face_graph({sheet(kSide), 1});
   features.lab.assign(features.size(), {40, 15, 15});
   const auto changes_of = [&](uint8_t around, uint8_t inside, int size, bool is_told = false) {
     std::vector<uint8_t> face_class(features.size(), around);

@@ -28,7 +28,7 @@ void dress(TubePerson& person, double low_cm, double high_cm, Vec3f srgb, Materi
     }
   }
   write_png(person.folder / "tube.png", picture);
-  const FaceGraph graph = face_graph(person.scan, 1);
+  const FaceGraph graph = face_graph({person.scan, 1});
   for (size_t f = 0; f < graph.size(); ++f)
     if (graph.centre_cm[f].y > low_cm && graph.centre_cm[f].y < high_cm) person.truth[f] = material_class;
 }
@@ -52,7 +52,7 @@ TEST(LabelQuestions, LeatherTrousersOfAnyColourAreAskedAboutAndOneAnswerTellsThe
     TubePerson person;
     make_tube_person(48, 120, person);
     dress(person, 7, 85, colour, kLeather);
-    Labeller labeller(person.scan, 1);
+    Labeller labeller({person.scan, 1});
     const Labelling labels = labeller.solve({});
     const uint32_t knee = 30 * 48 + 24, chest = 85 * 48 + 24;
     const GarmentQuestion* question = question_at(labels, labeller, knee);
@@ -75,7 +75,7 @@ TEST(LabelQuestions, LeatherTrousersOfAnyColourAreAskedAboutAndOneAnswerTellsThe
 TEST(LabelQuestions, ComeLargestFirstAndBothAnswersAreHeard) {
   TubePerson person;
   make_tube_person(48, 120, person);
-  Labeller labeller(person.scan, 1);
+  Labeller labeller({person.scan, 1});
   const std::vector<GarmentQuestion> questions = labeller.solve({}).questions;
   ASSERT_GE(questions.size(), 2u);
   EXPECT_LE(questions.size(), kMostQuestions);
@@ -90,7 +90,7 @@ TEST(LabelQuestions, ComeLargestFirstAndBothAnswersAreHeard) {
 TEST(LabelQuestions, AStrokeAgainstAnAnswerHoldsWhereItIs) {
   TubePerson person;
   make_tube_person(48, 120, person);
-  Labeller labeller(person.scan, 1);
+  Labeller labeller({person.scan, 1});
   const GarmentQuestion first = labeller.solve({}).questions.at(0);
   Stroke wrong = stroke_of_answer(labeller, first.garment, kFabric);
   const FaceGraph& graph = labeller.features().graph;
@@ -111,7 +111,7 @@ TEST(LabelQuestions, AStrokeInAPlaceThatLooksOtherwiseTurnsThatPlaceAlone) {
   make_tube_person(48, 120, person);
   dress(person, 40, 46, {0.75f, 0.15f, 0.15f}, kLeather);  // a belt of another colour around the knees
   const uint32_t belt = 30 * 48 + 24, thigh = 45 * 48 + 24, shin = 20 * 48 + 24;
-  Labeller labeller(person.scan, 1);
+  Labeller labeller({person.scan, 1});
   const Labelling before = labeller.solve({});
   Stroke stroke;
   stroke.material_class = kLeather;
@@ -128,7 +128,7 @@ TEST(LabelQuestions, ClothesOfTheColourOfSkinAreAskedAbout) {
   TubePerson person;
   make_tube_person(48, 120, person);
   dress(person, 7, 85, {0.70f, 0.50f, 0.38f}, kFabric);
-  Labeller labeller(person.scan, 1);
+  Labeller labeller({person.scan, 1});
   const Labelling labels = labeller.solve({});
   const uint32_t knee = 30 * 48 + 24;
   const GarmentQuestion* question = question_at(labels, labeller, knee);
@@ -144,7 +144,7 @@ TEST(LabelQuestions, ASmallGarmentIsAsTheAnsweredOneThatLooksLikeIt) {
   make_tube_person(48, 120, person);
   dress(person, 7, 85, {0.10f, 0.08f, 0.07f}, kLeather);
   dress(person, 85, 140, {0.16f, 0.15f, 0.15f}, kFabric);
-  Labeller labeller(person.scan, 1);
+  Labeller labeller({person.scan, 1});
   Garments garments = labeller.garments();
   ASSERT_GE(garments.garments.size(), 2u);
   std::vector<ClassValues> classes(garments.garments.size(), ClassValues{0, 0, 0.4f, 0.6f});
@@ -167,7 +167,7 @@ TEST(LabelQuestions, LeatherIsAsCommonAsIsStated) {
   const uint32_t knee = 30 * 48 + 24;
   float before = 0;
   for (float share : {0.02f, 0.1f, 0.3f, 0.6f}) {
-    Labeller labeller(person.scan, 1, {}, share);
+    Labeller labeller({person.scan, 1}, {}, share);
     const uint32_t g = labeller.garments().of_face[knee];
     ASSERT_NE(g, Garments::kNone);
     const ClassValues p = piece_classes(labeller.garments().garments[g], labeller.piece_cues()[g],
@@ -194,7 +194,7 @@ TEST(LabelPatches, SolesAreOfTheirShoesAndPalmsAreSkin) {
       scan.face_begin.push_back(static_cast<uint32_t>(scan.corners.size()));
     }
   FaceFeatures features;
-  features.graph = face_graph(scan, 1);
+  features.graph = face_graph({scan, 1});
   BodyFrame frame;
   frame.top_cm = 170;
   const auto changes_of = [&](uint8_t around, uint8_t inside, float hue) {
@@ -349,7 +349,7 @@ TEST(LabelQuestions, DressedHumansAreRightOnceTheyAreAnswered) {
     const std::vector<uint8_t> truth =
         read_face_classes(truth_file, scan.face_count(), class_order_of(truth_file, file));
     const std::vector<double> areas = face_areas(scan);
-    Labeller labeller(scan, 1);
+    Labeller labeller({scan, 1});
     const Labelling labels = labeller.solve({});
     double wrong = 0, doubtful = 0, all = 0;
     for (size_t f = 0; f < areas.size(); ++f) {

@@ -37,14 +37,14 @@ Stroke stroke_at(const Labeller& labeller, uint32_t face, MaterialClass material
 TEST(Labeller, KnowsATubePersonWithoutAStroke) {
   TubePerson person;
   make_tube_person(48, 120, person);
-  const Labelling labels = Labeller(person.scan, 1).solve({});
+  const Labelling labels = Labeller({person.scan, 1}).solve({});
   EXPECT_GT(accuracy_of(labels.face_class, person.truth, person.scan), 0.97);
 }
 
 TEST(Labeller, AStrokeTurnsTheRegionThatItIsIn) {
   TubePerson person;
   make_tube_person(48, 120, person);
-  Labeller labeller(person.scan, 1);
+  Labeller labeller({person.scan, 1});
   const std::vector<uint8_t> before = labeller.solve({}).face_class;
   // One stroke in front says that the trousers are leather.
   const auto face_at = [](int i, int j) { return static_cast<uint32_t>(j * 48 + i); };
@@ -65,7 +65,7 @@ TEST(Labeller, AStrokeTurnsTheRegionThatItIsIn) {
 TEST(Labeller, AWrongStrokeIsOutvotedButHoldsWhereItIs) {
   TubePerson person;
   make_tube_person(48, 120, person);
-  Labeller labeller(person.scan, 1);
+  Labeller labeller({person.scan, 1});
   const auto face_at = [](int i, int j) { return static_cast<uint32_t>(j * 48 + i); };
   // Three strokes say that the trousers are leather, one that they are fabric, as they look.
   std::vector<Stroke> strokes = {
@@ -89,7 +89,7 @@ TEST(Labeller, AWrongStrokeIsOutvotedButHoldsWhereItIs) {
 TEST(Labeller, ALateStrokeStillAnswersForItsGarment) {
   TubePerson person;
   make_tube_person(48, 120, person);
-  Labeller labeller(person.scan, 1);
+  Labeller labeller({person.scan, 1});
   const auto face_at = [](int i, int j) { return static_cast<uint32_t>(j * 48 + i); };
   std::vector<Stroke> strokes;
   for (int n = 0; n < 8; ++n)  // on the shirt, which is right already
@@ -102,7 +102,7 @@ TEST(Labeller, ALateStrokeStillAnswersForItsGarment) {
 TEST(Labeller, StrokedFacesKeepTheirClassAndAreSure) {
   TubePerson person;
   make_tube_person(32, 80, person);
-  Labeller labeller(person.scan, 1);
+  Labeller labeller({person.scan, 1});
   const std::vector<Stroke> strokes = {stroke_at(labeller, 32 * 40 + 16, kHair)};
   const Labelling labels = labeller.solve(strokes);
   for (uint32_t f : faces_of_stroke(strokes[0], labeller.features().graph, 1)) {
@@ -115,8 +115,8 @@ TEST(Labeller, TheFinenessOfTheMeshDoesNotMatter) {
   TubePerson coarse, fine;
   make_tube_person(40, 100, coarse);
   make_tube_person(120, 300, fine);
-  const std::vector<uint8_t> few = Labeller(coarse.scan, 1).solve({}).face_class;
-  const std::vector<uint8_t> many = Labeller(fine.scan, 1).solve({}).face_class;
+  const std::vector<uint8_t> few = Labeller({coarse.scan, 1}).solve({}).face_class;
+  const std::vector<uint8_t> many = Labeller({fine.scan, 1}).solve({}).face_class;
   std::vector<uint8_t> expected(many.size());
   for (size_t f = 0; f < many.size(); ++f) expected[f] = few[f / 120 / 3 * 40 + f % 120 / 3];
   EXPECT_GT(accuracy_of(many, expected, fine.scan), 0.985);  // all but a part of the borders
@@ -125,7 +125,7 @@ TEST(Labeller, TheFinenessOfTheMeshDoesNotMatter) {
 TEST(Labeller, TheOrderOfTheFacesDoesNotMatter) {
   TubePerson person;
   make_tube_person(40, 100, person);
-  const std::vector<uint8_t> labels = Labeller(person.scan, 1).solve({}).face_class;
+  const std::vector<uint8_t> labels = Labeller({person.scan, 1}).solve({}).face_class;
   std::vector<uint32_t> order(labels.size());
   std::iota(order.begin(), order.end(), 0u);
   std::shuffle(order.begin(), order.end(), std::mt19937(5));
@@ -134,7 +134,7 @@ TEST(Labeller, TheOrderOfTheFacesDoesNotMatter) {
   for (uint32_t f : order)
     for (uint32_t c = person.scan.face_begin[f]; c < person.scan.face_begin[f + 1]; ++c)
       shuffled.corners.push_back(person.scan.corners[c]);
-  const std::vector<uint8_t> again = Labeller(shuffled, 1).solve({}).face_class;
+  const std::vector<uint8_t> again = Labeller({shuffled, 1}).solve({}).face_class;
   size_t same = 0;
   for (size_t i = 0; i < order.size(); ++i) same += again[i] == labels[order[i]];
   EXPECT_GT(same, order.size() * 998 / 1000);  // sums of floats in another order
@@ -147,7 +147,7 @@ TEST(Labeller, TheNumberOfThreadsDoesNotMatter) {
   std::vector<std::vector<float>> confidence;
   for (size_t threads : {1, 4}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    Labeller labeller(person.scan, 1);
+    Labeller labeller({person.scan, 1});
     const Labelling result = labeller.solve({stroke_at(labeller, 100, kFabric)});
     labels.push_back(result.face_class);
     confidence.push_back(result.confidence);
@@ -159,7 +159,7 @@ TEST(Labeller, TheNumberOfThreadsDoesNotMatter) {
 TEST(Labeller, SuggestsTheMiddleOfTheLargestDoubt) {
   TubePerson person;
   make_tube_person(48, 120, person);
-  const FaceGraph graph = face_graph(person.scan, 1);
+  const FaceGraph graph = face_graph({person.scan, 1});
   const auto is_in = [](size_t f, int left, int low, int size) {
     const int i = static_cast<int>(f % 48), j = static_cast<int>(f / 48);
     return i >= left && i < left + size && j >= low && j < low + size;
@@ -202,7 +202,7 @@ LabelledScan read_labelled(const std::filesystem::path& file) {
 /// Its jacket is leather, which only the user knows. Measured: 99.4 % with the answers.
 TEST(Labeller, KnowsTheExampleHumanOnceItsQuestionsAreAnswered) {
   const LabelledScan human = read_labelled(source_path("assets/example_human/example_human.glb"));
-  Labeller labeller(human.scan, 100);
+  Labeller labeller({human.scan, 100});
   std::vector<Stroke> answers;
   for (const GarmentQuestion& question : labeller.solve({}).questions) {
     std::array<double, kClassCount> area{};
@@ -219,7 +219,7 @@ TEST(Labeller, KnowsTheExampleHumanOnceItsQuestionsAreAnswered) {
 TEST(Labeller, ABareHeadIsAllSkin) {
   OHB_SHARED_DATA_OR_SKIP(folder, "scans/lee_perry_smith");
   const Scan scan = read_scan(folder / "lee_perry_smith.obj");
-  const std::vector<uint8_t> labels = Labeller(scan, 1).solve({}).face_class;
+  const std::vector<uint8_t> labels = Labeller({scan, 1}).solve({}).face_class;
   EXPECT_GT(accuracy_of(labels, std::vector<uint8_t>(labels.size(), kSkin), scan), 0.97);
 }
 

@@ -44,7 +44,7 @@ TEST(SoftBorders, AreAsWideAsTheirPairOfClassesInAnyUnitAndFineness) {
         const Scan scan = strip(n, edge);
         std::vector<uint8_t> face_class(static_cast<size_t>(n), left);
         std::fill(face_class.begin() + faces_of_cm, face_class.end(), right);
-        const SoftBorders borders(scan, unit_cm, face_class);
+        const SoftBorders borders({scan, unit_cm}, face_class);
         const double width = kBorderWidth_cm[left][right];
         for (double x_cm = 0.013; x_cm < 2; x_cm += 0.02) {
           const auto face = static_cast<uint32_t>(x_cm * faces_of_cm);
@@ -70,7 +70,7 @@ TEST(SoftBorders, SumToOneWhereThreeClassesMeetAndKeepTheOwnClassFirst) {
   }
   scan.face_material.assign(3, 0);
   scan.face_group.assign(3, 0);
-  const SoftBorders borders(scan, 1, {kSkin, kHair, kFabric});
+  const SoftBorders borders({scan, 1}, {kSkin, kHair, kFabric});
   const ClassValues middle = borders.shares_at(0, kSkin, {0, 0, 0});
   for (int c : {0, 1, 2}) EXPECT_NEAR(middle[c], 1.0f / 3, 1e-5f);
   const ClassValues near = borders.shares_at(0, kSkin, {0.1f, 0.1f, 0});
@@ -87,7 +87,7 @@ TEST(SoftBorders, DoNotReachThroughAThinSheet) {
   for (int f = 0; f < 4; ++f) scan.face_begin.push_back(scan.face_begin.back() + 4);
   scan.face_material.assign(8, 0);
   scan.face_group.assign(8, 0);
-  const SoftBorders borders(scan, 1, {kSkin, kSkin, kSkin, kSkin, kHair, kHair, kFabric, kFabric});
+  const SoftBorders borders({scan, 1}, {kSkin, kSkin, kSkin, kSkin, kHair, kHair, kFabric, kFabric});
   EXPECT_EQ(borders.shares_at(1, kSkin, {0.99f, 0.5f, 0})[kSkin], 1);
   EXPECT_NEAR(borders.shares_at(5, kHair, {0.99f, 0.5f, 0.1f})[kFabric], 0.5f - 0.01f / 0.3f, 1e-4f);
 }

@@ -40,7 +40,7 @@ Stroke stroke_of(MaterialClass material_class, double radius_cm, double time_s,
 TEST(Strokes, CoverTheFacesWithinTheirRadiusInCm) {
   const Scan scan = sheet(20);
   for (double unit_cm : {1.0, 10.0}) {
-    const FaceGraph graph = face_graph(scan, unit_cm);
+    const FaceGraph graph = face_graph({scan, unit_cm});
     const Stroke stroke =
         stroke_of(kHair, 2.2 * unit_cm, 0, {{5 + 20 * 5, {5.5f, 5.5f, 0}}, {14 + 20 * 5, {14.5f, 5.5f, 0}}});
     const std::vector<uint32_t> faces = faces_of_stroke(stroke, graph, unit_cm);
@@ -75,14 +75,14 @@ TEST(Strokes, DoNotPaintTheOtherSideOfAThinSheet) {
     scan.face_group.push_back(0);
   }
   ASSERT_EQ(scan.corners.size(), 2 * corners);
-  const FaceGraph graph = face_graph(scan, 1);
+  const FaceGraph graph = face_graph({scan, 1});
   for (uint32_t f : faces_of_stroke(stroke_of(kSkin, 5, 0, {{7, {1.5f, 1.5f, 0}}}), graph, 1))
     EXPECT_LT(f, 36u);
 }
 
 TEST(Strokes, TheLaterOneCountsAndAContradictionIsTold) {
   const Scan scan = sheet(10);
-  const FaceGraph graph = face_graph(scan, 1);
+  const FaceGraph graph = face_graph({scan, 1});
   const StrokePoint middle{55, {5.5f, 5.5f, 0}};
   const Stroke skin = stroke_of(kSkin, 1.2, 5, {middle}), hair = stroke_of(kHair, 2.2, 9, {middle});
   for (const std::vector<Stroke>& strokes :
@@ -161,7 +161,7 @@ TEST(FaceGraph, EdgesJoinSeamsAndBridgesJoinNeighbours) {
       scan.face_group.push_back(0);
     }
   }
-  const FaceGraph graph = face_graph(scan, 1);
+  const FaceGraph graph = face_graph({scan, 1});
   EXPECT_EQ(graph.component_count, 3u);
   EXPECT_EQ(graph.edges.size() - graph.bridge_count, 36u);
   EXPECT_GT(graph.bridge_count, 0u);
@@ -188,7 +188,7 @@ TEST(FaceGraph, ThreeFacesAtAnEdgeAreJoined) {
     scan.face_material.push_back(0);
     scan.face_group.push_back(0);
   }
-  const FaceGraph graph = face_graph(scan, 1);
+  const FaceGraph graph = face_graph({scan, 1});
   EXPECT_EQ(graph.non_manifold_edges, 1u);
   EXPECT_EQ(graph.edges.size(), 2u);
 }

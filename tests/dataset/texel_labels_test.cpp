@@ -125,7 +125,7 @@ TEST(TexelLabels, FollowThePictureThroughLargeFaces) {
     for (const Look look :
          {Look{1, 0, 0}, {1, 0.15f, 0}, {0.3f, 0.02f, 0.4f}, {0.3f, 0.1f, 0}, {0.1f, 0.02f, 0}}) {
       const Arm arm(around, 512, look);
-      const TexelLabels labels(arm.scan, 1, arm.face_class, {}, false);
+      const TexelLabels labels({arm.scan, 1}, arm.face_class, {}, false);
       // Texels are 0.6 mm; faces are wrong by 9.8, 3.7 and 1.1 mm.
       EXPECT_GT(arm.face_error_mm(), 1);
       EXPECT_LT(arm.texel_error_mm(labels), look.noise > 0.05f ? 0.5 : 0.3)
@@ -138,7 +138,7 @@ TEST(TexelLabels, StayWithTheFacesWhereNothingShowsTheBorder) {
   for (const int around : {16, 64})
     for (const Look look : {Look{0, 0, 0}, {0, 0.1f, 0}, {0.1f, 0.1f, 0}, {0, 0.02f, 0.4f}}) {
       const Arm arm(around, 512, look);
-      const TexelLabels labels(arm.scan, 1, arm.face_class, {}, false);
+      const TexelLabels labels({arm.scan, 1}, arm.face_class, {}, false);
       EXPECT_LE(arm.texel_error_mm(labels), arm.face_error_mm())
           << around << " " << look.contrast << " " << look.noise << " " << look.gradient;
     }
@@ -149,7 +149,7 @@ TEST(TexelLabels, FacesThatAreGivenKeepTheirClassAndSmallOnesAreLeft) {
   std::vector<bool> given(arm.face_class.size(), false);
   const uint32_t face = arm.face_at(0.28, Arm::border_at(0.28));  // the border runs through it
   given[face] = true;
-  const TexelLabels labels(arm.scan, 1, arm.face_class, given, false);
+  const TexelLabels labels({arm.scan, 1}, arm.face_class, given, false);
   size_t others = 0;
   arm.error_mm([&](double turn, double y) {
     const uint8_t at = arm.texel_class(labels, turn, y);
@@ -158,9 +158,9 @@ TEST(TexelLabels, FacesThatAreGivenKeepTheirClassAndSmallOnesAreLeft) {
   });
   EXPECT_EQ(others, 0u);
   EXPECT_GT(labels.summary().changed_cm2, 10);
-  EXPECT_TRUE(TexelLabels(arm.scan, 1, arm.face_class, {}, true).summary().is_refined);
+  EXPECT_TRUE(TexelLabels({arm.scan, 1}, arm.face_class, {}, true).summary().is_refined);
   // The same in millimetres: edges of 1 mm and less.
-  const TexelLabels small(arm.scan, 0.04, arm.face_class, {}, true);
+  const TexelLabels small({arm.scan, 0.04}, arm.face_class, {}, true);
   EXPECT_FALSE(small.summary().is_refined);
   EXPECT_NE(small.summary().reason, "");
   EXPECT_EQ(arm.error_mm([&](double turn, double y) { return arm.texel_class(small, turn, y); }),
@@ -172,7 +172,7 @@ TEST(TexelLabels, TheNumberOfThreadsDoesNotMatter) {
   std::vector<std::vector<uint8_t>> results;
   for (const size_t threads : {1, 3}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    const TexelLabels labels(arm.scan, 1, arm.face_class, {}, false);
+    const TexelLabels labels({arm.scan, 1}, arm.face_class, {}, false);
     results.emplace_back();
     arm.error_mm([&](double turn, double y) {
       results.back().push_back(arm.texel_class(labels, turn, y));
@@ -185,8 +185,8 @@ TEST(TexelLabels, TheNumberOfThreadsDoesNotMatter) {
 TEST(TexelLabels, TexelsAreLinkedAcrossASeam) {
   constexpr int kSize_px = 256;
   const Arm arm(16, kSize_px, {1, 0, 0});
-  const MeshTopology topology = mesh_topology(arm.scan);
-  const TexelSurface surface(arm.scan, topology, 1, std::vector<bool>(arm.face_class.size(), true));
+  const ScanSurface scan_surface(arm.scan, 1);
+  const TexelSurface surface(scan_surface, std::vector<bool>(arm.face_class.size(), true));
   double across_cm = 0, rest_cm = 0;
   std::vector<int> seen(kSize_px, 0);
   for (const TexelLink& link : surface.links()) {
