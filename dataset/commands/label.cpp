@@ -265,6 +265,16 @@ void check_sources(const LabelJob& job) {
     throw InputError("", "--answer", "answers what --automatic or --strokes asks", "add one of them");
 }
 
+Subject subject_of(const Scan& scan, const LabelJob& job) {
+  Subject subject{scan, face_areas(scan), {}};
+  const std::optional<double> unit_cm =
+      job.unit.empty() ? guess_unit(scan).unit_cm : std::optional(unit_cm_of(job.unit));
+  if (!unit_cm) return subject;
+  expect_upright(scan, *unit_cm, job.up);
+  subject.surface.emplace(scan, *unit_cm);
+  return subject;
+}
+
 void write_strokes(const fs::path& file, const LabelJob& job, const Labels& labels,
                    const std::string& scan_sha256) {
   if (!job.answers.empty())
@@ -281,14 +291,10 @@ LabelReport label_scan(const LabelJob& job) {
   Scan scan = read_scan(job.scan);
   turn_up(scan, job.up);
   folder.protect(picture_files(scan));
-  Subject subject{scan, face_areas(scan), {}};
+  const Subject subject = subject_of(scan, job);
   LabelReport report;
   report.scan = job.scan.filename().string();
-  report.unit_cm = job.unit.empty() ? guess_unit(scan).unit_cm : unit_cm_of(job.unit);
-  if (report.unit_cm) {
-    expect_upright(scan, *report.unit_cm, job.up);
-    subject.surface.emplace(scan, *report.unit_cm);
-  }
+  if (subject.surface) report.unit_cm = subject.surface->unit_cm;
   report.scan_sha256 = sha256_of_file(job.scan);
   Labels labels;
   if (!job.strokes.empty() || job.automatic) {
