@@ -20,7 +20,7 @@ struct GarmentQuestion {
   double area_cm2 = 0;
   uint32_t face = 0;  // in its middle: a stroke there answers for the whole garment
 };
-constexpr size_t kMostQuestions = 4;
+constexpr size_t kMostQuestions = 5;
 
 /// Sets the garments that strokes tell. A stroke speaks for the whole garment if it covers its middle, or if
 /// (chance of its class for this garment) x (likeness of its place with the garment) is above that of an

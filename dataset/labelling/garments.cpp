@@ -110,7 +110,7 @@ std::vector<Part> connected_parts(const FaceFeatures& features, const std::vecto
     area += features.graph.area_cm2[f];
   }
   RegionMerging regions(features.graph, likeness, is_in, look);
-  regions.merge_below(kSeparate_cm);
+  regions.merge_below(own == kFabric ? kSeparate_cm : kSeparateSkin_cm);
   regions.merge_crumbs(kCrumb_share * area);
   std::map<uint32_t, Part> parts;
   for (uint32_t f = 0; f < features.size(); ++f)

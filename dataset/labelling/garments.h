@@ -37,7 +37,7 @@ struct Garments {
 /// and hair on the head are pieces of their own, without the skin that holds the face.
 Garments find_garments(const FaceFeatures& features, const std::vector<float>& likeness,
                        const BodyFrame& frame, const std::vector<uint8_t>& part);
-constexpr float kSeparate_cm = 1.5f;
+constexpr float kSeparate_cm = 1.75f, kSeparateSkin_cm = 1.5f;  // of garments; of skin and hair
 constexpr float kAlike = 4;  // look_difference of parts of one garment that do not touch
 
 /// The face that most rings of faces separate from the outside of these connected faces.
