@@ -13,6 +13,7 @@ from .errors import InputError
 PNG_SIGNATURE = b"\x89PNG\r\n\x1a\n"
 PNG_END = b"\x00\x00\x00\x00IEND\xaeB`\x82"
 PNG_CHANNELS = {0: 1, 2: 3, 3: 3, 4: 1, 6: 3}   # colour type -> channels without alpha
+PNG_WITH_ALPHA = (4, 6)
 EXR_MAGIC = b"\x76\x2f\x31\x01"
 EXR_TILED, EXR_DEEP, EXR_MULTI_PART = 0x200, 0x800, 0x1000
 EXR_LINES_PER_CHUNK = {0: 1, 1: 1, 2: 1, 3: 16, 4: 32, 5: 16, 6: 32, 7: 32, 8: 32, 9: 256}
@@ -26,6 +27,7 @@ class Header:
     height_px: int
     channels: int      # without alpha
     bits: int          # of a channel
+    has_alpha: bool = False
 
 
 def read_header(path):
@@ -54,7 +56,7 @@ def _png(file, path, size):
     file.seek(max(0, size - len(PNG_END)))
     if file.read() != PNG_END:
         raise InputError(path, "", "is cut off (a PNG ends with IEND)", "write the image again")
-    return Header("PNG", width, height, PNG_CHANNELS[colour], bits)
+    return Header("PNG", width, height, PNG_CHANNELS[colour], bits, colour in PNG_WITH_ALPHA)
 
 
 def _exr(file, path, size):
@@ -82,7 +84,7 @@ def _exr(file, path, size):
     else:
         raise InputError(path, "", "has the channels %s" % ", ".join(sorted(channels))[:100],
                          "name them R, G, B or Y")
-    return Header("EXR", width, height, count, 16 if 1 in channels.values() else 32)
+    return Header("EXR", width, height, count, 16 if 1 in channels.values() else 32, "A" in names)
 
 
 def _exr_attributes(data, at):

@@ -54,21 +54,22 @@ def _checked_header(map_file, info):
         raise InputError(map_file.path, "", "is %s, but the encoding '%s' needs %s"
                          % (header.kind, map_file.encoding, " or ".join(map_file.kinds)),
                          "correct maps.%s.encoding in maps.json" % map_file.name)
-    if header.channels < map_file.channels:
+    is_fourth_in_alpha = map_file.channels == 4 and header.channels == 3 and header.has_alpha
+    if header.channels < map_file.channels and not is_fourth_in_alpha:
         raise InputError(map_file.path, "", "has %d channel, %d are needed" % (header.channels, map_file.channels),
                          "write the map again")
     return header
 
 
 def read_raster(path, channels, width, height):
-    """The file's own numbers, alpha ignored, as array('f') of `channels` a pixel."""
+    """The file's own numbers as array('f') of `channels` a pixel; alpha is the fourth of four, else ignored."""
     try:
         image = bpy.data.images.load(path, check_existing=False)
     except RuntimeError as error:
         raise InputError(path, "", "cannot be opened (%s)" % error, "write the image again") from None
     try:
         image.colorspace_settings.name = "Non-Color"   # before the pixels are read: it changes those of floats
-        image.alpha_mode = "NONE"
+        image.alpha_mode = "NONE" if channels < 4 else "CHANNEL_PACKED"
         if tuple(image.size) != (width, height):
             raise InputError(path, "", "cannot be decoded", "write the image again")
         stored = image.channels

@@ -2,7 +2,9 @@
 """Classes and doubt as colours of the mesh's corners, changed only where an answer changed something."""
 from array import array
 
-COLORS = ((0.93, 0.68, 0.55), (0.45, 0.25, 0.12), (0.27, 0.51, 0.79), (0.85, 0.25, 0.22))   # linear, as `label` has them
+from . import classes
+
+COLORS = tuple(tuple(entry["color"]) for entry in classes.TABLE)   # linear, as `label` has them
 UNKNOWN = (0.5, 0.5, 0.5)
 SURE, DOUBT = (0.10, 0.13, 0.17), (1.0, 0.62, 0.02)
 ATTRIBUTE = "hm_overlay"

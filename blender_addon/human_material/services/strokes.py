@@ -7,9 +7,10 @@ user. Positions are in the scan's unit and axes.
 import math
 import xml.etree.ElementTree as xml
 
+from . import classes
 from .errors import InputError
 
-CLASSES = ("skin", "hair", "fabric", "leather")
+CLASSES = classes.NAMES
 DOTS_OF_STROKE = 250     # of a fill: a stroke's cost grows with their square
 MOST_DOTS = 4000         # of one fill
 DOT_RADIUS_CM = 0.01     # a dot covers its own face alone

@@ -202,7 +202,7 @@ class HM_TL_label(bpy.types.WorkSpaceTool):
     bl_context_mode = "OBJECT"
     bl_idname = "hm.label_brush"
     bl_label = "Label Scan"
-    bl_description = "Paint skin, hair, fabric or leather on a scan that was opened in the Label panel"
+    bl_description = "Paint a class on a scan that was opened in the Label panel"
     bl_icon = "brush.paint_vertex.draw"
     bl_cursor = "PAINT_CROSS"
     bl_keymap = (

@@ -3,9 +3,9 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 
-from ..services import label_session, scan_object
+from ..services import classes, label_session, scan_object
 
-CLASS_ITEMS = [("skin", "Skin", ""), ("hair", "Hair", ""), ("fabric", "Fabric", ""), ("leather", "Leather", "")]
+CLASS_ITEMS = [(entry["name"], entry["label"], "") for entry in classes.TABLE]
 MODE_ITEMS = [
     ("BRUSH", "Brush", "Paint a stroke"),
     ("ERASER", "Eraser", "Take away the strokes that the line touches"),

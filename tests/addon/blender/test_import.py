@@ -2,13 +2,15 @@
 import math
 import os
 import unittest
+from types import SimpleNamespace
 
 import bpy
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
-from support import maps_folder, scene as s
+from support import image_files, maps_folder, scene as s, temporary_folder
 
 from human_material.services import maps, relief
+from human_material.services.errors import InputError
 
 WIDE = maps_folder.Person(40, 24, dict(maps_folder.ORTHOGRAPHIC))
 TALL = maps_folder.Person(20, 32, dict(maps_folder.PERSPECTIVE))
@@ -39,6 +41,24 @@ class Import(unittest.TestCase):
                 y = person.height - 1 - int(uv[vertex.index][1] * person.height)
                 if person.covered(x, y):
                     self.assertAlmostEqual(vertex.co.z * 100, person.depth_cm(x, y), delta=1e-4)
+
+    def test_alpha_is_the_fourth_of_four_shares_and_else_ignored(self):
+        shares = [(0.5, 0.25, 0.0, 0.125), (0.0, 0.0, 1.0, 0.0), (0.25, 0.0, 0.25, 0.5), (0.0, 0.0, 0.0, 1.0)]
+        codes = [round(65535 * v) for pixel in shares for v in pixel]
+        for name, write in (("x.exr", lambda path: image_files.exr(path, 4, 1, sum(shares, ()), "RGBA")),
+                            ("x.png", lambda path: image_files.png(path, 4, 1, codes, 3, 16, True))):
+            path = os.path.join(temporary_folder(self), name)
+            write(path)
+            for channels in (3, 4):
+                found = maps.read_raster(path, channels, 4, 1)
+                for k, pixel in enumerate(shares):
+                    for c in range(channels):
+                        self.assertAlmostEqual(found[channels * k + c], pixel[c], delta=1e-4)
+            asked = SimpleNamespace(name="classes", path=path, kinds=("PNG", "EXR"), encoding="shares", channels=4)
+            maps._checked_header(asked, SimpleNamespace(width_px=4, height_px=1))
+        image_files.exr(path, 4, 1, [0.5] * 12)
+        with self.assertRaisesRegex(InputError, "has 3 channel, 4 are needed"):
+            maps._checked_header(asked, SimpleNamespace(width_px=4, height_px=1))
 
     def test_stands_in_the_world(self):
         item, _ = s.import_person(self.scene, SQUARE)

@@ -1,11 +1,13 @@
 """Soft class masks from the material maps."""
+import os
 import random
 import unittest
+import xml.etree.ElementTree as xml
 from array import array
 
 import support  # noqa: F401
 
-from human_material.services import classes, decode
+from human_material.services import classes, decode, overlay, strokes
 
 F0 = [decode.srgb_to_linear(entry["specular"]) for entry in classes.TABLE]
 S = [entry["specular"] for entry in classes.TABLE]
@@ -31,6 +33,20 @@ class Classes(unittest.TestCase):
     def test_table_is_the_papers(self):
         self.assertEqual(classes.NAMES, ("skin", "hair", "fabric", "leather"))
         self.assertEqual([round(s * 255) for s in S], [47, 61, 67, 57])
+
+    def test_table_is_that_of_the_programs(self):
+        root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..")
+        stated = {m.get("class"): m for m in xml.parse(os.path.join(root, "assets/materials.xml")).getroot()}
+        self.assertEqual(set(stated), set(classes.NAMES))
+        for entry in classes.TABLE:
+            for name in ("specular", "roughness", "sss"):
+                self.assertEqual(float(stated[entry["name"]].get(name)), entry[name], entry["name"])
+
+    def test_painting_knows_each_class_of_the_table(self):
+        self.assertEqual(strokes.CLASSES, classes.NAMES)
+        colors = [overlay.class_color(c) for c in range(len(classes.NAMES))]
+        self.assertEqual(len({*colors, overlay.UNKNOWN}), len(classes.NAMES) + 1)
+        self.assertEqual(overlay.class_color(255), overlay.UNKNOWN)
 
     def test_pure_regions_are_exact(self):
         width = height = 24

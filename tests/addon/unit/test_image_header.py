@@ -28,13 +28,14 @@ class ImageHeader(unittest.TestCase):
             image_files.png(self.path, 3, 2, [7] * (6 * (channels + alpha)), channels, bits, alpha)
             header = read_header(self.path)
             self.assertEqual((header.kind, header.width_px, header.height_px), ("PNG", 3, 2))
-            self.assertEqual((header.channels, header.bits), (channels, bits))
+            self.assertEqual((header.channels, header.bits, header.has_alpha), (channels, bits, alpha))
 
     def test_exr(self):
         for channels, count in (("RGB", 3), ("RGBA", 3), ("Y", 1)):
             image_files.exr(self.path, 3, 2, [0.5] * (6 * len(channels)), channels)
             header = read_header(self.path)
             self.assertEqual((header.kind, header.width_px, header.channels, header.bits), ("EXR", 3, count, 32))
+            self.assertEqual(header.has_alpha, channels == "RGBA")
 
     def test_cut_off_anywhere(self):
         image_files.png(self.path, 3, 2, [7] * 6)
