@@ -2,6 +2,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 
@@ -33,6 +34,9 @@ Image SetBake::class_shares() const {
       shares.values[kClassCount * i + static_cast<size_t>(c)] =
           part.image.values[part.channels.size() * i + static_cast<size_t>(channel - part.channels.begin())];
   }
+  if (!std::all_of(shares.values.begin(), shares.values.end(), [](float s) { return std::isfinite(s); }))
+    throw InputError(class_weights_.string(), "part 'weights'", "holds shares that are no numbers",
+                     "run `label` again");
   return shares;
 }
 

@@ -80,7 +80,8 @@ std::vector<LabelChange> enclosed_labels(const FaceFeatures& features, const std
     if (seen[start] || face_class[start] == kSkin) continue;
     const Patch patch = patch_around(features, face_class, start, seen);
     const ClassValues& border_cm = patch.of_class_cm;
-    const uint8_t around = border_cm[kLeather] > border_cm[kFabric] ? kLeather : kFabric;
+    const auto around = static_cast<uint8_t>(std::max_element(border_cm.begin() + kFabric, border_cm.end()) -
+                                             border_cm.begin());
     if (patch.area_cm2 > kLargest * all_cm2 || !(border_cm[around] > kMostlySurrounded * patch.border_cm) ||
         std::any_of(patch.faces.begin(), patch.faces.end(), [&](uint32_t f) { return bool(is_told[f]); }))
       continue;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace ohb::labelling {
 namespace {
@@ -69,8 +70,9 @@ void follow_look_alikes(const Garments& garments, const std::vector<uint8_t>& to
       as = told[other];
     }
     if (as == kUnlabelled) continue;
-    const float garment = classes[g][kFabric] + classes[g][kLeather];
-    for (uint8_t c : {kFabric, kLeather}) classes[g][c] = garment * (c == as ? kFollows : 1 - kFollows);
+    const float garment = std::accumulate(classes[g].begin() + kFabric, classes[g].end(), 0.0f);
+    for (uint8_t c = kFabric; c < kClassCount; ++c)
+      classes[g][c] = garment * (c == as ? kFollows : (1 - kFollows) / (kClassCount - kFabric - 1));
   }
 }
 

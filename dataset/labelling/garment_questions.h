@@ -25,7 +25,7 @@ constexpr size_t kMostQuestions = 5;
 /// Sets the garments that strokes tell. A stroke speaks for the whole garment if it covers its middle, or if
 /// (chance of its class for this garment) x (likeness of its place with the garment) is above that of an
 /// exception; of several classes the one with more votes holds, a small stroke's being less, the first if
-/// equal. A small garment that none tells is fabric or leather as the told one that looks like it.
+/// equal. A small garment that none tells is of the class of the told one that looks like it.
 void hear_strokes(const FaceFeatures& features, double unit_cm, const Garments& garments,
                   std::vector<Stroke> strokes, std::vector<ClassValues>& classes);
 

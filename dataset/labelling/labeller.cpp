@@ -123,7 +123,7 @@ void Labeller::trust_garments(const std::vector<ClassValues>& classes, Labelling
     const uint8_t c = labels.face_class[f];
     const uint32_t g = garments_.of_face[f];
     const ClassValues& of = g == Garments::kNone ? kElsewhere : classes[g];
-    const float garment = of[kFabric] + of[kLeather];
+    const float garment = std::accumulate(of.begin() + kFabric, of.end(), 0.0f);
     const float claim = c < kFabric ? of[c] : garment;
     if (claim > 0.5f && g != Garments::kNone) labels.confidence[f] *= claim;
     if (c >= kFabric) labels.confidence[f] *= of[c] / std::max(garment, 1e-6f);
@@ -187,7 +187,7 @@ std::vector<ClassValues> Labeller::revised_start(const std::vector<ClassValues>&
     }
   std::vector<ClassValues> start = first;
   for (size_t f = 0; f < start.size(); ++f) {
-    const float sum = best[f][0] + best[f][1] + best[f][2] + best[f][3];
+    const float sum = std::accumulate(best[f].begin(), best[f].end(), 0.0f);
     for (int c = 0; c < kClassCount; ++c)
       start[f][c] = (start[f][c] + kStrokeShare * best[f][c]) / (1 + kStrokeShare * sum);
   }

@@ -1,6 +1,7 @@
 #include "dataset/labelling/soft_borders.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace ohb::labelling {
 namespace {
@@ -32,7 +33,7 @@ ClassValues SoftBorders::shares_at(uint32_t face, uint8_t own, Vec3f at) const {
     odds[c] = share / (1 - share);
   }
   odds[own] = 1;
-  const float sum = odds[0] + odds[1] + odds[2] + odds[3];
+  const float sum = std::accumulate(odds.begin(), odds.end(), 0.0f);
   for (float& value : odds) value /= sum;
   return odds;
 }

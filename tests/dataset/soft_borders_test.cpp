@@ -35,8 +35,9 @@ Scan strip(int n, float edge) {
 }
 
 TEST(SoftBorders, AreAsWideAsTheirPairOfClassesInAnyUnitAndFineness) {
-  for (const auto& [left, right] :
-       {std::pair(kHair, kSkin), std::pair(kFabric, kSkin), std::pair(kLeather, kHair)})
+  std::vector<std::pair<uint8_t, uint8_t>> pairs;  // each class on both sides
+  for (uint8_t c = 0; c < kClassCount; ++c) pairs.emplace_back(c, (c + 1) % kClassCount);
+  for (const auto& [left, right] : pairs)
     for (const double unit_cm : {1.0, 2.54})
       for (const int faces_of_cm : {1, 3, 40}) {
         const int n = 2 * faces_of_cm;
@@ -52,7 +53,7 @@ TEST(SoftBorders, AreAsWideAsTheirPairOfClassesInAnyUnitAndFineness) {
               borders.shares_at(face, face_class[face], {static_cast<float>(x_cm / unit_cm), 0.5f, 0});
           const double expected = std::clamp(0.5 + (x_cm - 1) / width, 0.0, 1.0);
           ASSERT_NEAR(shares[right], expected, 1e-4)
-              << left << right << " " << unit_cm << " " << faces_of_cm << " " << x_cm;
+              << int{left} << int{right} << " " << unit_cm << " " << faces_of_cm << " " << x_cm;
           ASSERT_NEAR(shares[left], 1 - expected, 1e-4);
         }
       }
@@ -128,8 +129,15 @@ TEST(SoftBorders, BakeMixesTheValuesThatTheWeightsSay) {
     mixed += skin > 0 && skin < 1;
   }
   EXPECT_GE(mixed, 6);
+  // Weights that are no numbers are no weights.
+  const std::filesystem::path weights = folder / "regions/maps/a/weights.exr";
+  std::vector<ExrPart> parts = read_exr(weights);
+  parts[0].image.values[5] = std::nanf("");
+  write_exr(weights, parts, {});
+  expect_message(input_error_of([&] { bake_scan(bake); }),
+                 {"weights.exr", "part 'weights'", "no numbers", "run `label` again"});
   // Without the weights the border is that of the faces.
-  std::filesystem::remove(folder / "regions/maps/a/weights.exr");
+  std::filesystem::remove(weights);
   bake_scan(bake);
   const Model hard = read_model(bake.output);
   EXPECT_NEAR(*hard.sets[0].roughness.pixel(127, 70), table[kHair].roughness, 1e-3f);

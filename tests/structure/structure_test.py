@@ -38,6 +38,9 @@ class Tree(unittest.TestCase):
     def test_no_definition_holds_a_path(self):
         self.nothing(structure.paths_in_definitions(ROOT))
 
+    def test_no_place_writes_the_classes_out(self):
+        self.nothing(structure.classes_written_out(ROOT))
+
     def test_few_functions_are_above_40_lines(self):
         found = structure.long_functions(ROOT, 40)
         self.assertLessEqual(len(found), MOST_LONG_FUNCTIONS, "\n" + "\n".join(found))
@@ -103,6 +106,13 @@ class Planted(unittest.TestCase):
                                            '                           C="$<TARGET_FILE:t>")\n')
         self.assertEqual(structure.paths_in_definitions(self.root),
                          ['tests/CMakeLists.txt: B="${PROJECT_SOURCE_DIR', 'tests/CMakeLists.txt: C="$<TARGET_FILE'])
+
+    def test_classes_that_are_written_out(self):
+        self.write("dataset/a.cpp", "sum = best[f][0] + best[f][1] + best[f][2] + best[f][3];\nlength = v[0] + v[1] + v[2];\n")
+        self.write("dataset/b.cpp", "garment = of[kFabric] + of[kLeather];\nskin = of[kSkin];\n")
+        self.write("blender_addon/c.py", 'CLASSES = ("skin", "hair", "fabric", "leather")\nHAIR = "hair"\n')
+        self.assertEqual([line.split(": ")[0] for line in structure.classes_written_out(self.root)],
+                         ["dataset/a.cpp:1", "dataset/b.cpp:1", "blender_addon/c.py:1"])
 
     def test_a_long_function_and_a_long_list_of_parameters(self):
         self.write("bake/long.cpp", "void f(\n    int a) {\n" + "  ++a;\n" * 60 + "}\n")
