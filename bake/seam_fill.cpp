@@ -157,44 +157,37 @@ SeamBand::SeamBand(const std::vector<Seam>& seams, const std::vector<uint8_t>& i
   for (const std::vector<Carried>& rows : carried) carried_.insert(carried_.end(), rows.begin(), rows.end());
 }
 
-template <int kChannels>
-void SeamBand::fill_channels(Image& map, const std::vector<uint8_t>& is_covered, bool is_normals,
-                             std::vector<uint8_t>& is_filled) const {
-  tbb::parallel_for(tbb::blocked_range<size_t>(0, carried_.size(), 4096),
-                    [&](const tbb::blocked_range<size_t>& range) {
-                      for (size_t i = range.begin(); i < range.end(); ++i) {
-                        const Carried& to = carried_[i];
-                        const Reads reads(to.x, to.y, width_px_, height_px_);
-                        const float weights[4] = {(1 - to.right) * (1 - to.down), to.right * (1 - to.down),
-                                                  (1 - to.right) * to.down, to.right * to.down};
-                        Vec3f value;
-                        bool is_known = true;
-                        for (int k = 0; k < 4; ++k) {
-                          is_known = is_known && is_covered[reads.texel[k]];
-                          for (int c = 0; c < kChannels; ++c)
-                            value[c] += weights[k] * map.values[reads.texel[k] * kChannels + c];
-                        }
-                        if (!is_known) continue;
-                        if (is_normals) {
-                          const Seam& seam = seams_[to.side / 2];
-                          const SeamSide &here = seam.side[to.side % 2], &there = seam.side[1 - to.side % 2];
-                          const SeamFrame f = frame_at(there, to.along), g = frame_at(here, to.along);
-                          value = to_tangent_space(to_model(f, value), g.tangent, g.normal, here.sign);
-                        }
-                        for (int c = 0; c < kChannels; ++c)
-                          map.values[size_t{to.texel} * kChannels + c] = value[c];
-                        is_filled[to.texel] = 1;
-                      }
-                    });
+Vec3f SeamBand::turned(Vec3f normal, const Carried& to) const {
+  const Seam& seam = seams_[to.side / 2];
+  const SeamSide &here = seam.side[to.side % 2], &there = seam.side[1 - to.side % 2];
+  const SeamFrame f = frame_at(there, to.along), g = frame_at(here, to.along);
+  return to_tangent_space(to_model(f, normal), g.tangent, g.normal, here.sign);
 }
 
 std::vector<uint8_t> SeamBand::fill(Image& map, const std::vector<uint8_t>& is_covered,
                                     bool is_normals) const {
   std::vector<uint8_t> is_filled = is_covered;
-  if (map.channels == 1)
-    fill_channels<1>(map, is_covered, is_normals, is_filled);
-  else
-    fill_channels<3>(map, is_covered, is_normals, is_filled);
+  const auto fill_one = [&](const Carried& to) {
+    const Reads reads(to.x, to.y, width_px_, height_px_);
+    const float weights[4] = {(1 - to.right) * (1 - to.down), to.right * (1 - to.down),
+                              (1 - to.right) * to.down, to.right * to.down};
+    if (!std::all_of(reads.texel, reads.texel + 4, [&](size_t t) { return is_covered[t] != 0; })) return;
+    float* const out = &map.values[size_t{to.texel} * map.channels];
+    for (int c = 0; c < map.channels; ++c) {
+      float value = 0;
+      for (int k = 0; k < 4; ++k) value += weights[k] * map.values[reads.texel[k] * map.channels + c];
+      out[c] = value;
+    }
+    if (is_normals) {
+      const Vec3f normal = turned({out[0], out[1], out[2]}, to);
+      for (int c = 0; c < 3; ++c) out[c] = normal[c];
+    }
+    is_filled[to.texel] = 1;
+  };
+  tbb::parallel_for(tbb::blocked_range<size_t>(0, carried_.size(), 4096),
+                    [&](const tbb::blocked_range<size_t>& range) {
+                      for (size_t i = range.begin(); i < range.end(); ++i) fill_one(carried_[i]);
+                    });
   return is_filled;
 }
 

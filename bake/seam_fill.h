@@ -19,10 +19,11 @@ class SeamBand {
   /// this; maps are at most 65535 texels wide and high.
   SeamBand(const std::vector<Seam>& seams, const std::vector<uint8_t>& is_face, int width_px, int height_px);
 
-  /// Fills the band of one map: the edge's turn, scale and mirroring carry each texel into the chart on the
-  /// other side (as Blender's "adjacent faces" margin), where covered texels are read bilinearly;
-  /// tangent-space normals go through the model's frame into that of the chart beside the texel. Gives what
-  /// is covered afterwards: texels whose other side is not wholly covered are left alone.
+  /// Fills the band of one image of any number of channels (normals: 3): the edge's turn, scale and mirroring
+  /// carry each texel into the chart on the other side (as Blender's "adjacent faces" margin), where covered
+  /// texels are read bilinearly; tangent-space normals go through the model's frame into that of the chart
+  /// beside the texel. Gives what is covered afterwards: texels whose other side is not wholly covered are
+  /// left alone.
   std::vector<uint8_t> fill(Image& map, const std::vector<uint8_t>& is_covered, bool is_normals) const;
 
  private:
@@ -47,9 +48,8 @@ class SeamBand {
     float right, down;
     float along;  // of the edge, 0 to 1
   };
-  template <int kChannels>
-  void fill_channels(Image& map, const std::vector<uint8_t>& is_covered, bool is_normals,
-                     std::vector<uint8_t>& is_filled) const;
+  /// A tangent-space normal of the other side, in the frame beside the texel.
+  Vec3f turned(Vec3f normal, const Carried& to) const;
   std::vector<uint32_t> claim_texels(const RowBand& band, const std::vector<uint8_t>& is_face) const;
   std::vector<Carried> carried_in(const RowBand& band, const std::vector<uint8_t>& is_face) const;
 

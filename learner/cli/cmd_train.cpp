@@ -64,7 +64,8 @@ void print_size(const learner::TrainOptions& o) {
   const learner::Network network = learner::make_network(o.task, o.width);
   const int64_t multiplies = learner::multiplies_at(
       [&](int64_t size) {
-        network.forward(torch::zeros({1, 4, size, size}), torch::zeros({1, 10, size, size}));
+        const int64_t maps = learner::output_channels(learner::Task::kFinetune);
+        network.forward(torch::zeros({1, 4, size, size}), torch::zeros({1, maps, size, size}));
       },
       o.size_px);
   std::fprintf(stderr, "%s, width %g: %.2f million parameters, %.2f billion multiplies at %d x %d\n",

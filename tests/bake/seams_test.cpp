@@ -64,6 +64,26 @@ TEST(Seams, TheBandGoesOnOnTheSurface) {
     }
 }
 
+TEST(Seams, TheBandOfSeveralChannelsIsThatOfEach) {
+  const TwoCharts charts(64, 33, true);
+  const SeamBand band(charts.seams, charts.is_covered, 64, 64);
+  std::mt19937 random(5);
+  for (const int channels : {2, 3, 4, 5}) {
+    Image all(64, 64, channels);
+    for (float& value : all.values) value = static_cast<float>(random() % 1000) / 1000;
+    const Image before = all;
+    const std::vector<uint8_t> filled = band.fill(all, charts.is_covered, false);
+    EXPECT_NE(all.values, before.values);
+    for (int c = 0; c < channels; ++c) {
+      Image one(64, 64, 1);
+      for (size_t i = 0; i < one.values.size(); ++i) one.values[i] = before.values[i * channels + c];
+      EXPECT_EQ(band.fill(one, charts.is_covered, false), filled);
+      for (size_t i = 0; i < one.values.size(); ++i)
+        ASSERT_EQ(all.values[i * channels + c], one.values[i]) << channels << " " << c << " " << i;
+    }
+  }
+}
+
 TEST(Seams, MendingMakesNoisyChartsAgree) {
   const TwoCharts charts(256, 33, true);
   std::mt19937 random(4);
