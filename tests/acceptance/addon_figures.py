@@ -1,19 +1,21 @@
 r"""How long the add-on's pictures take, and how clean they are. In Blender, or in Python with bpy:
 
     blender -b -noaudio --factory-startup --python-exit-code 1 --python addon_figures.py -- \
-        times LIGHT.exr MAPS OUT.csv [LARGE_MAPS]
+        times LIGHT.exr MAPS OUT.csv [SAMPLES REFERENCE]
         edits LIGHT.exr OUT.csv MAPS...
     python3 addon_figures.py chart OUT.svg LABEL=TIMES.csv...            (gnuplot)
 
 times: seconds of a processor (user + system), because
 other programs may run, and PSNR of the sRGB values over the person against 256 samples of other random numbers: a line
-for each number of samples, without and with the denoiser where there is one, and for Eevee; then for the large maps.
+for each number of samples, without and with the denoiser where there is one, and for Eevee. SAMPLES: those numbers with
+commas; REFERENCE: samples to compare with, fewer for large maps. A run that is stopped leaves the lines that it has.
 
 edits: the two largest garments of each person (fabric or leather), each made red, and polished (roughness 0.1): mean
 absolute change outside the garment, where other garments' and classes' pixels are, of the maps (linear albedo, roughness)
 and of the picture's sRGB values, lit directly alone and with bounces. What bounces off a red garment is red: that is
 light, not a leak. A pixel is outside where no share of the garment is in it.
 """
+import array
 import csv
 import math
 import os
@@ -30,6 +32,10 @@ REFERENCE, REFERENCE_SEED = 256, 7
 def processor_s():
     used = resource.getrusage(resource.RUSAGE_SELF)
     return used.ru_utime + used.ru_stime
+
+
+def peak_gb():
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
 
 
 class Studio:
@@ -53,7 +59,7 @@ class Studio:
         self.folder = tempfile.mkdtemp(prefix="hm_figures")
 
     def picture(self, samples, seed=0, engine="CYCLES", denoise=False):
-        """(sRGB values, seconds of a processor)."""
+        """(linear values, seconds of a processor)."""
         self.render.prepare(self.scene, samples, seed)
         self.render.set_pixel_exact(self.scene, self.skin, True)
         self.scene.cycles.use_denoising = denoise
@@ -64,8 +70,12 @@ class Studio:
         start = processor_s()
         self.render.to_file(self.scene, path)
         seconds = processor_s() - start
-        values = self.maps.read_raster(path, 3, *self.loaded.size)
-        return [self.decode.linear_to_srgb(min(max(v, 0.0), 1.0)) for v in values], seconds
+        return self.maps.read_raster(path, 3, *self.loaded.size), seconds
+
+    def srgb_of(self, values, pixels):
+        """sRGB values of those pixels, one pixel after another: of large pictures only the person is looked at."""
+        return array.array("f", (self.decode.linear_to_srgb(min(max(values[3 * p + c], 0.0), 1.0))
+                                 for p in pixels for c in range(3)))
 
 
 def mean_change(a, b, pixels, channels=3):
@@ -73,40 +83,39 @@ def mean_change(a, b, pixels, channels=3):
         channels * max(len(pixels), 1))
 
 
-def psnr(a, b, pixels):
-    error = sum((a[3 * p + c] - b[3 * p + c]) ** 2 for p in pixels for c in range(3)) / (3 * len(pixels))
-    return -10 * math.log10(max(error, 1e-12))
+def psnr(a, b):
+    return -10 * math.log10(max(sum((u - v) ** 2 for u, v in zip(a, b)) / len(a), 1e-12))
 
 
-def times(light, folder, output, large=""):
+def times(light, folder, output, samples="", reference=REFERENCE):
+    counts = [int(count) for count in samples.split(",")] if samples else SAMPLES
     studio = Studio(light, folder)
     covered = [p for p, m in enumerate(studio.loaded.mask) if m > 0.5]
-    rows = [("import", "", 0, round(studio.import_s, 2), "")]
-    truth, _ = studio.picture(REFERENCE, REFERENCE_SEED)
-    studio.picture(1)
-    ways = [("cycles", False)] + ([("cycles", True)] if studio.compat.can_denoise() else [])
-    for engine, denoise in ways:
-        for samples in SAMPLES:
-            found, seconds = studio.picture(samples, denoise=denoise)
-            rows.append((engine, "denoised" if denoise else "", samples, round(seconds, 2),
-                         round(psnr(found, truth, covered), 2)))
-            print(*rows[-1], flush=True)
-    for engine in ("BLENDER_EEVEE", "BLENDER_EEVEE_NEXT"):
-        try:
-            for samples in (1, 16):
-                found, seconds = studio.picture(samples, engine=engine)
-                rows.append(("eevee", "", samples, round(seconds, 2), round(psnr(found, truth, covered), 2)))
-                print(*rows[-1], flush=True)
-        except (TypeError, RuntimeError, OSError):   # none of that name, or no display
-            continue
-    if large:
-        studio = Studio(light, large)
-        rows.append(("import large", "", 0, round(studio.import_s, 2), ""))
-        for samples in (1, 16):
-            rows.append(("large", "", samples, round(studio.picture(samples)[1], 2), ""))
-            print(*rows[-1], flush=True)
     with open(output, "w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows([("way", "denoiser", "samples", "processor_s", "psnr_db"), *rows])
+        def row(*cells):
+            csv.writer(file).writerow(cells)
+            file.flush()
+            print(*cells, flush=True)
+
+        def measure(engine, count, denoise=False):
+            found, seconds = studio.picture(count, engine=engine, denoise=denoise)
+            row("cycles" if engine == "CYCLES" else "eevee", "denoised" if denoise else "", count, round(seconds, 2),
+                round(psnr(studio.srgb_of(found, covered), truth), 2))
+
+        row("way", "denoiser", "samples", "processor_s", "psnr_db")
+        row("import", "", 0, round(studio.import_s, 2), "")
+        found, seconds = studio.picture(int(reference), REFERENCE_SEED)
+        truth = studio.srgb_of(found, covered)
+        print("reference %.2f s, %.2f GB at most" % (seconds, peak_gb()), flush=True)
+        for denoise in [False] + [True] * studio.compat.can_denoise():
+            for count in counts:
+                measure("CYCLES", count, denoise)
+        for engine in ("BLENDER_EEVEE", "BLENDER_EEVEE_NEXT"):
+            try:
+                for count in (1, 16):
+                    measure(engine, count)
+            except (TypeError, RuntimeError, OSError) as error:   # none of that name, or no display
+                print("%s: %s" % (engine, error), flush=True)
 
 
 BOUNCES = (0, 12)
@@ -158,31 +167,36 @@ def look(studio, edited):
     found = {name: maps[name] for name in ("diffuse", "roughness")}
     for bounces in BOUNCES:
         studio.scene.cycles.max_bounces = bounces
-        found["%d bounces" % bounces] = studio.picture(EDIT_SAMPLES)[0]
+        values = studio.picture(EDIT_SAMPLES)[0]
+        found["%d bounces" % bounces] = studio.srgb_of(values, range(len(values) // 3))
     return found
 
 
-COLORS = ("#7b3294", "#0072b2", "#d55e00", "#009e73", "#000000", "#cc79a7")
+COLORS = ("#7b3294", "#d55e00", "#0072b2", "#009e73", "#000000", "#cc79a7")
+#: (way, denoiser) -> words, line and point: a colour is a version and a size
+WAYS = {("cycles", ""): ("Cycles", "dashtype 1 pointtype 7"), ("cycles", "denoised"): ("denoised", "dashtype 2 pointtype 5"),
+        ("eevee", ""): ("Eevee", "dashtype 3 pointtype 9")}
+CLEAN_DB = 30   # a preview in which noise is hardly seen
 
 
 def chart(output, *labelled):
     lines, data = [], ""
-    for entry in labelled:
+    for entry, color in zip(labelled, COLORS):
         label, _, path = entry.partition("=")
         with open(path, encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
-        for way, denoiser in (("cycles", ""), ("cycles", "denoised"), ("eevee", "")):
+        for (way, denoiser), (words, look_of_line) in WAYS.items():
             mine = [row for row in rows if (row["way"], row["denoiser"]) == (way, denoiser)]
             if mine:
                 name = "line%d" % len(lines)
                 data += "$%s << end\n%s\nend\n" % (name, "\n".join(
                     "%s %s %s" % (row["processor_s"], row["psnr_db"], row["samples"]) for row in mine))
-                title = "%s, %s%s" % (label, way.capitalize(), ", denoised" if denoiser else "")
-                lines.append("$%s using 1:2 with linespoints lc rgb '%s' title '%s', '' using 1:2:3 with labels offset 0,0.8 "
-                             "font ',8' notitle" % (name, COLORS[len(lines) % len(COLORS)], title))
-    script = ("set terminal svg size 760,420 font 'sans,11' background 'white'\nset output '%s'\nset logscale x\n"
-              "set xlabel 'seconds of a processor'\nset ylabel 'PSNR, dB'\nset key bottom right\nset grid\n%s\nplot %s\n"
-              % (output, data, ", ".join(lines)))
+                lines.append("$%s using 1:2 with linespoints pointsize 0.5 lc rgb '%s' %s title '%s, %s', '' using 1:2:3 "
+                             "with labels offset 0,0.8 font ',8' notitle" % (name, color, look_of_line, label, words))
+    script = ("set terminal svg size 900,440 font 'sans,11' background 'white'\nset output '%s'\nset logscale x\n"
+              "set xlabel 'seconds of a processor'\nset ylabel 'PSNR, dB'\nset key outside right\nset grid\n%s\n"
+              "plot %s, %d with lines lc rgb '#999999' title 'clean preview'\n"
+              % (output, data, ", ".join(lines), CLEAN_DB))
     subprocess.run(["gnuplot"], input=script, text=True, check=True)
 
 
