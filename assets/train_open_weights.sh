@@ -74,8 +74,8 @@ train() {  # MODEL STEPS OPTIONS...
   fi
 }
 train geometry 20000
-train albedo 20000
-train rss 20000 --balanced
+train albedo 28000
+train rss 28000 --balanced
 for prior in geometry albedo rss; do priors+=("$out/runs/$prior"); done
 HUMANMATERIAL="$learner" KEEP="$out/report" "$here/results.sh" "$out/samples_test" "$out/results.md" "${priors[@]}"
 echo "$out/results.md"
