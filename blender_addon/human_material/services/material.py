@@ -7,7 +7,7 @@ services/maps.py. So the nodes are the same for every maps folder and every Blen
 import bpy
 
 from .. import compat
-from . import classes, decode, edit, vector
+from . import balance, classes, decode, edit, vector
 
 RADIUS_M = (0.01, 0.002, 0.001)   # of scattering at sss = 1: (1.0, 0.2, 0.1) cm
 F0_PER_SPECULAR = 0.08
@@ -16,6 +16,7 @@ SUBSURFACE_SCALE = NODE + "SubsurfaceScale"
 LEAST_RADIUS = NODE + "LeastRadius"
 VISIBLE_PX = 0.5                  # scattering over less than this of a pixel cannot be seen
 PRINCIPLED = NODE + "Principled"
+BALANCE = NODE + "Balance"
 
 
 def packed_image(name, width, height, channels):
@@ -130,14 +131,63 @@ def _principled(tree, surface, normal_texture, subsurface_method):
     compat.set_subsurface_method(node, subsurface_method)
     specular = math_node(tree, "DIVIDE", surface["f0"], F0_PER_SPECULAR)
     scale = _scattering(tree, surface["sss"])
-    for meaning, output in (("base", surface["base"]), ("subsurface_color", surface["base"]),
+    normal = _normal(tree, normal_texture)
+    base = surface["base"]
+    if compat.generation() == "principled_v2":
+        base = _balanced(tree, surface, normal)
+    for meaning, output in (("base", base), ("subsurface_color", surface["base"]),
                             ("roughness", surface["roughness"]), ("specular", specular),
-                            ("subsurface_scale", scale), ("normal", _normal(tree, normal_texture))):
+                            ("subsurface_scale", scale), ("normal", normal)):
         target = compat.principled_socket(node, meaning)
         if target is not None:
             tree.links.new(output, target)
     compat.principled_socket(node, "subsurface_radius").default_value = RADIUS_M
     return node
+
+
+def _balanced(tree, surface, normal):
+    """The albedo times balance.gain()."""
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = bpy.data.node_groups.get(BALANCE) or _balance_group()
+    node.name = node.label = BALANCE
+    node.location = (100, 200)
+    for name, output in (("Base", surface["base"]), ("Roughness", surface["roughness"]), ("F0", surface["f0"]),
+                         ("Normal", normal)):
+        tree.links.new(output, node.inputs[name])
+    return node.outputs["Base"]
+
+
+def _balance_group():
+    tree = bpy.data.node_groups.new(BALANCE, "ShaderNodeTree")
+    for name, kind in (("Base", "Color"), ("Roughness", "Float"), ("F0", "Float"), ("Normal", "Vector")):
+        compat.new_group_socket(tree, name, "INPUT", "NodeSocket" + kind)
+    compat.new_group_socket(tree, "Base", "OUTPUT", "NodeSocketColor")
+    source = tree.nodes.new("NodeGroupInput").outputs
+    angle = tree.nodes.new("ShaderNodeLayerWeight")
+    angle.inputs["Blend"].default_value = 0.5   # Facing = 1 - cosine
+    tree.links.new(source["Normal"], angle.inputs["Normal"])
+
+    def with_rim(front, at_rim, power):
+        """front + (1 - cosine)^power x a polynomial of the roughness"""
+        rim = math_node(tree, "POWER", angle.outputs["Facing"], float(power))
+        return math_node(tree, "MULTIPLY_ADD", rim, _polynomial(tree, at_rim, source["Roughness"]), front)
+    diffuse = with_rim(_polynomial(tree, balance.DIFFUSE, source["Roughness"]), balance.DIFFUSE_RIM,
+                       balance.DIFFUSE_POWER)
+    layer = with_rim(source["F0"], balance.LAYER_RIM, balance.LAYER_POWER)
+    below = math_node(tree, "SUBTRACT", 1.0, math_node(tree, "MINIMUM", layer, balance.MOST_LAYER))
+    gain = tree.nodes.new("ShaderNodeVectorMath")
+    gain.operation = "SCALE"
+    tree.links.new(source["Base"], gain.inputs[0])
+    tree.links.new(math_node(tree, "DIVIDE", diffuse, below), gain.inputs["Scale"])
+    tree.links.new(gain.outputs["Vector"], tree.nodes.new("NodeGroupOutput").inputs["Base"])
+    return tree
+
+
+def _polynomial(tree, coefficients, x):
+    value = coefficients[-1]
+    for coefficient in reversed(coefficients[:-1]):
+        value = math_node(tree, "MULTIPLY_ADD", value, x, coefficient)
+    return value
 
 
 def _scattering(tree, sss):

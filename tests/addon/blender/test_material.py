@@ -1,12 +1,13 @@
 """Reflectance and subsurface scattering mean the same in every generation of the Principled BSDF."""
+import math
 import unittest
 
 import bpy
 
-from support import maps_folder, scene as s
+from support import maps_folder, reflection, scene as s
 
 from human_material import compat
-from human_material.services import decode, material, relief
+from human_material.services import balance, decode, material, relief
 
 FLAT = maps_folder.Person(16, 16, maps_folder.ORTHOGRAPHIC, flat=True)
 
@@ -41,6 +42,43 @@ class Material(unittest.TestCase):
         self.assertGreater(len(centre), 3)
         for p in centre:
             self.assertAlmostEqual(found[3 * p] / self.loaded.f0[p], 1, delta=0.03)
+
+    def test_a_white_room_looks_the_same_in_every_generation(self):
+        """A flat plate of each class, seen along its normal and from the side, against Principled v1 integrated here."""
+        for (_, roughness, _), color in zip(maps_folder.TABLE[1:], maps_folder.COLORS[1:]):
+            f0 = 0.046
+            item, loaded = s.import_person(s.empty_scene(), FLAT, {
+                "roughness": FLAT.raster(lambda x, y: roughness), "sss": FLAT.raster(lambda x, y: 0.0),
+                "specular": FLAT.raster(lambda x, y: decode.linear_to_srgb(f0)),
+                "diffuse": FLAT.raster(lambda x, y: color)})
+            s.light_up(bpy.context.scene, sky=1.0)
+            for turn_deg in (0, 45, 65):
+                item.rotation_euler.rotate_axis("Y", math.radians(turn_deg))
+                cosine = math.cos(math.radians(turn_deg))
+                found = self.middle(s.rendered(bpy.context.scene, 64))
+                item.rotation_euler.rotate_axis("Y", -math.radians(turn_deg))
+                wanted = [c * reflection.burley(cosine, roughness)
+                          + reflection.highlight(cosine, roughness, f0, True) for c in color]
+                for a, b in zip(found, wanted):
+                    self.assertAlmostEqual(a / b, 1, delta=0.03, msg=(roughness, turn_deg))
+
+    def middle(self, values):
+        """Mean of the 2 x 4 pixels in the middle of FLAT's picture."""
+        pixels = [16 * y + x for y in range(6, 10) for x in (7, 8)]
+        return [sum(values[3 * p + c] for p in pixels) / len(pixels) for c in range(3)]
+
+    def test_gain_of_the_nodes(self):
+        """The nodes compute what services/balance.py says, where the material has them."""
+        node = relief.material_of(self.item).node_tree.nodes.get(material.BALANCE)
+        if compat.generation() == "principled_v1":
+            self.assertIsNone(node)
+            return
+        s.show(self.item, node.outputs["Base"])
+        found = s.rendered(self.scene, 1, exact=True)
+        for p in self.pixels:
+            gain = balance.gain(1.0, self.loaded.roughness[p], self.loaded.f0[p])
+            for c in range(3):
+                self.assertAlmostEqual(found[3 * p + c], gain * self.loaded.diffuse[3 * p + c], delta=2e-3)
 
     def test_little_subsurface_is_none(self):
         """Estimates are never exactly 0 on cloth. Those of less than .01 look as cloth of 0 does, to the last bit."""

@@ -93,8 +93,9 @@ def principled(item):
 
 
 def source_of(socket):
-    """The output that feeds an input."""
-    return socket.links[0].from_socket
+    """The output that feeds an input; of an albedo, before it is balanced for this Blender."""
+    output = socket.links[0].from_socket
+    return source_of(output.node.inputs["Base"]) if output.node.name == material.BALANCE else output
 
 
 def socket_of(item, meaning):
