@@ -17,25 +17,20 @@
 namespace ohb::bake {
 namespace {
 
-CanonicalMesh mesh_of(const Scan& scan, const Regions& regions, const BakeOptions& options,
-                      BakeReport& report) {
-  CanonicalMesh mesh = canonical_mesh(scan, regions, options.unit_cm);
-  mesh.model.name = options.name;
+void report_mesh(const Scan& scan, const CanonicalMesh& mesh, BakeReport& report) {
   report.scan = mesh.model.source_file;
   report.scan_sha256 = mesh.model.source_sha256;
   report.unit_cm = mesh.model.source_unit_cm;
-  report.unit_reason = options.unit_reason;
   const Bounds bounds = bounds_of(mesh.model.positions_cm);
   const Vec3d offset = scan.removed_offset.value_or(Vec3d{});
   const double removed[3] = {offset.x, offset.y, offset.z};
   for (int i = 0; i < 3; ++i) {
-    report.shift_cm[i] = mesh.model.source_shift_cm[i] - options.unit_cm * removed[i];
+    report.shift_cm[i] = mesh.model.source_shift_cm[i] - mesh.model.source_unit_cm * removed[i];
     report.size_cm[i] = bounds.high[i] - bounds.low[i];
   }
   report.triangles = mesh.model.triangles.size();
   report.repeated_faces = mesh.repeated_faces;
   report.positions = mesh.model.positions_cm.size();
-  return mesh;
 }
 
 std::vector<std::string> folders_of(const CanonicalMesh& mesh) {
@@ -141,7 +136,7 @@ Jobs map_jobs(SetBake& set, const std::function<void(const MapKind&, Image)>& us
   };
 }
 
-/// Maps beside the six, which model.xml does not name: half, of one or three channels.
+/// Maps beside those of kMapKinds, which model.xml does not name: half, of one or three channels.
 void write_extra_map(const std::filesystem::path& file, const std::string& name, Image image) {
   if (image.values.empty()) return;
   std::vector<ExrPart> parts(1);
@@ -193,10 +188,12 @@ Image image_of_valid(const ByteImage& bytes) {
 
 /// Gives each texture set of the scan's mesh to `take`, one after the other so that few maps are in memory at
 /// once.
-CanonicalMesh bake_sets(const Scan& scan, const Regions& regions, const MaterialTable& table,
-                        const BakeOptions& options, BakeReport& report,
-                        const std::function<void(Model& mesh, size_t set_index, SetBake& set)>& take) {
-  CanonicalMesh mesh = mesh_of(scan, regions, options, report);
+void bake_sets(const Scan& scan, CanonicalMesh& mesh, const MaterialTable& table, const BakeOptions& options,
+               BakeReport& report,
+               const std::function<void(Model& model, size_t set_index, SetBake& set)>& take) {
+  mesh.model.name = options.name;
+  report_mesh(scan, mesh, report);
+  report.unit_reason = options.unit_reason;
   MeshFrames frames;
   std::unique_ptr<SourceBake> source;
   run_side_by_side({[&] { frames = frames_of(mesh.model); },
@@ -211,21 +208,20 @@ CanonicalMesh bake_sets(const Scan& scan, const Regions& regions, const Material
     take(mesh.model, i, set);
     progress.add();
   }
-  return mesh;
 }
 
 }  // namespace
 
-BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const MaterialTable& table,
+BakeReport bake_to_folder(const Scan& scan, CanonicalMesh mesh, const MaterialTable& table,
                           const BakeOptions& options, const std::filesystem::path& folder) {
   BakeReport report;
   std::vector<TextureSetEntry> entries;
-  const auto write = [&](Model& mesh, size_t i, SetBake& set) {
+  const auto write = [&](Model& model, size_t i, SetBake& set) {
     entries.push_back(write_set(
-        set, folder, {mesh.sets[i].name, report.sets[i].folder, set.width_px(), set.height_px(), {}},
+        set, folder, {model.sets[i].name, report.sets[i].folder, set.width_px(), set.height_px(), {}},
         options.wants_mips));
   };
-  const CanonicalMesh mesh = bake_sets(scan, regions, table, options, report, write);
+  bake_sets(scan, mesh, table, options, report, write);
   write_model_mesh(folder, mesh.model, entries);
   write_file_atomically(folder / "report.json", json_text(to_json(report), 2) + "\n");
   return report;
@@ -234,13 +230,15 @@ BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const Materi
 Model bake_model(const Scan& scan, const Regions& regions, const MaterialTable& table,
                  const BakeOptions& options, BakeReport* report) {
   BakeReport own;
-  const auto keep = [](Model& mesh, size_t i, SetBake& set) {
-    TextureSet& maps = mesh.sets[i];
+  CanonicalMesh mesh = canonical_mesh(scan, regions, options.unit_cm);
+  const auto keep = [](Model& model, size_t i, SetBake& set) {
+    TextureSet& maps = model.sets[i];
     run_jobs(map_jobs(set, [&](const MapKind& kind, Image image) { maps.*kind.image = std::move(image); }),
              2);
     maps.valid = image_of_valid(set.valid());
   };
-  return std::move(bake_sets(scan, regions, table, options, report ? *report : own, keep).model);
+  bake_sets(scan, mesh, table, options, report ? *report : own, keep);
+  return std::move(mesh.model);
 }
 
 }  // namespace ohb::bake

@@ -1,4 +1,4 @@
-// The six UV maps of a labelled scan, in the scan's own UV layout: from its own pictures (no rays are
+// The UV maps of a labelled scan, in the scan's own UV layout: from its own pictures (no rays are
 // needed), or from a high-resolution source.
 #pragma once
 
@@ -40,7 +40,7 @@ struct BakeOptions {
   /// the set's diffuse picture has (without one the source's largest, without that kSizeWithoutPicture_px),
   /// at most kMaxMapSize_px.
   int size_px = 0;
-  double unit_cm = 1;                        // cm a unit of the scan
+  double unit_cm = 1;                        // cm a unit of the scan, for its canonical_mesh
   std::string unit_reason;                   // for the report
   std::string name;                          // of the model
   bool quiet = true;                         // no progress bar
@@ -57,13 +57,13 @@ struct BakeOptions {
 /// value weighted by the shares. The one place where classes become values.
 ClassMaterial mix_classes(const MaterialTable& table, const std::array<float, kClassCount>& shares);
 
-/// Bakes a scan into `folder` (give an AtomicFolder's path), one map after the other so that few are in
-/// memory at once. Also writes report.json. The bytes do not depend on the number of threads. Throws as
-/// canonical_mesh, SetBake, make_source_bake and write_model.
-BakeReport bake_to_folder(const Scan& scan, const Regions& regions, const MaterialTable& table,
+/// Bakes a scan, of which `mesh` is the canonical_mesh, into `folder` (give an AtomicFolder's path), one map
+/// after the other so that few are in memory at once. Also writes report.json. The bytes do not depend on the
+/// number of threads. Throws as SetBake and write_model_mesh, and where the source is not of the subject.
+BakeReport bake_to_folder(const Scan& scan, CanonicalMesh mesh, const MaterialTable& table,
                           const BakeOptions& options, const std::filesystem::path& folder);
 
-/// The same in memory.
+/// The same in memory, of the mesh that it makes itself. Throws as canonical_mesh, too.
 Model bake_model(const Scan& scan, const Regions& regions, const MaterialTable& table,
                  const BakeOptions& options, BakeReport* report = nullptr);
 

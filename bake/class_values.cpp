@@ -1,6 +1,4 @@
 // The maps of a texture set that its classes decide, from those of its faces and texels.
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -8,6 +6,7 @@
 
 #include "bake/texture_set_bake.h"
 #include "dataset/model/error.h"
+#include "dataset/surface/covered_texels.h"
 #include "dataset/surface/picture.h"
 
 namespace ohb::bake {
@@ -86,26 +85,22 @@ Image SetBake::class_values() const {
   std::optional<surface::Resampler> resampler;
   if (!shares.values.empty()) resampler.emplace(shares, width_px(), height_px(), known.weights);
   Image values(width_px(), height_px(), static_cast<int>(kMaterialMaps.size()));
-  tbb::parallel_for(0, height_px(), [&](int y) {
-    for (int x = 0; x < width_px(); ++x) {
-      const uint32_t owner = coverage_.owner_of(x, y);
-      if (owner == surface::TexelCoverage::kNone) continue;
-      ClassMaterial out = pure[mesh_.model.triangles[triangles_.index[owner]].material_class];
-      const uint8_t only = resampler ? resampler->common_byte(x, y, known.only_class, kMixed) : kMixed;
-      if (only != kMixed) {
-        out = pure[only];
-      } else if (resampler) {
-        std::array<float, kClassCount> here{};
-        resampler->texel(x, y, here.data());
-        const float sum = std::accumulate(here.begin(), here.end(), 0.0f);
-        if (sum >= kLeastSum) {
-          for (float& share : here) share /= sum;
-          out = mix_classes(table_, here);
-        }
+  surface::for_each_covered_texel(coverage_, [&](int x, int y, uint32_t owner) {
+    ClassMaterial out = pure[mesh_.model.triangles[triangles_.index[owner]].material_class];
+    const uint8_t only = resampler ? resampler->common_byte(x, y, known.only_class, kMixed) : kMixed;
+    if (only != kMixed) {
+      out = pure[only];
+    } else if (resampler) {
+      std::array<float, kClassCount> here{};
+      resampler->texel(x, y, here.data());
+      const float sum = std::accumulate(here.begin(), here.end(), 0.0f);
+      if (sum >= kLeastSum) {
+        for (float& share : here) share /= sum;
+        out = mix_classes(table_, here);
       }
-      float* const value = values.pixel(x, y);
-      for (size_t m = 0; m < kMaterialMaps.size(); ++m) value[m] = out.*kMaterialMaps[m].value;
     }
+    float* const value = values.pixel(x, y);
+    for (size_t m = 0; m < kMaterialMaps.size(); ++m) value[m] = out.*kMaterialMaps[m].value;
   });
   return values;
 }

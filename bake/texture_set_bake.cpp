@@ -12,6 +12,7 @@
 #include "bake/set_report.h"
 #include "bake/set_size.h"
 #include "bake/uv_charts.h"
+#include "dataset/surface/covered_texels.h"
 #include "dataset/surface/padding.h"
 #include "dataset/surface/picture.h"
 #include "dataset/surface/vertex_colours.h"
@@ -239,19 +240,13 @@ Image SetBake::normal() {
 
 Image SetBake::displacement() {
   if (from_source_) return std::move(source_.displacement);
-  const int width = width_px(), height = height_px();
-  Image map(width, height, 1);
-  tbb::parallel_for(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      const uint32_t owner = coverage_.owner_of(x, y);
-      if (owner == surface::TexelCoverage::kNone) continue;
-      const ModelTriangle& triangle = mesh_.model.triangles[triangles_.index[owner]];
-      const surface::TexelTriangle in_texels = surface::to_texel_space(triangles_.uvs[owner], width, height);
-      const surface::NearestPoint point = surface::nearest_point_of_texel(in_texels, width, height, x, y);
-      double z = 0;
-      for (int c = 0; c < 3; ++c) z += point.weights[c] * mesh_.model.positions_cm[triangle.position[c]].z;
-      *map.pixel(x, y) = static_cast<float>(z);
-    }
+  Image map(width_px(), height_px(), 1);
+  surface::for_each_covered_texel(coverage_, [&](int x, int y, uint32_t owner) {
+    const ModelTriangle& triangle = mesh_.model.triangles[triangles_.index[owner]];
+    const surface::NearestPoint point = surface::shown_point(coverage_, triangles_.uvs, x, y);
+    double z = 0;
+    for (int c = 0; c < 3; ++c) z += point.weights[c] * mesh_.model.positions_cm[triangle.position[c]].z;
+    *map.pixel(x, y) = static_cast<float>(z);
   });
   return map;
 }

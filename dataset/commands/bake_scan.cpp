@@ -155,6 +155,7 @@ BakeScanReport bake_scan(const BakeJob& job) {
   AtomicFolder folder(job.output, "model", {job.scan, job.regions, job.materials, job.source, job.cage});
   const std::unique_ptr<BakeInputs> inputs = read_bake_inputs(job);
   for (const Scan* scan : {&inputs->scan, &inputs->source}) folder.protect(picture_files(*scan));
+  bake::CanonicalMesh mesh = bake::canonical_mesh(inputs->scan, inputs->regions, inputs->options.unit_cm);
   BakeScanReport report;
   const fs::path scratch = folder.path() / "delit";
   if (job.delights) {
@@ -162,10 +163,10 @@ BakeScanReport bake_scan(const BakeJob& job) {
       throw InputError("--delight", "", "is for the scan's own pictures, not for those of a source",
                        "delight the source by a bake of its own, or leave --delight out");
     fs::create_directories(scratch);
-    report.delight = delight(inputs->scan, inputs->regions, inputs->options.unit_cm, scratch);
+    report.delight = delight(inputs->scan, mesh, scratch);
   }
   report.bake =
-      bake::bake_to_folder(inputs->scan, inputs->regions, inputs->table, inputs->options, folder.path());
+      bake::bake_to_folder(inputs->scan, std::move(mesh), inputs->table, inputs->options, folder.path());
   fs::remove_all(scratch);
   for (size_t i = 0; i < report.delight.divisors.size(); ++i)
     write_divisor(folder.path() / "maps" / report.delight.set_folders[i] / "divisor.png",

@@ -8,8 +8,8 @@
 
 #include "bake/ambient_light.h"
 #include "dataset/model/model_files.h"
+#include "dataset/surface/covered_texels.h"
 #include "dataset/surface/picture.h"
-#include "dataset/surface/texel_coverage.h"
 
 namespace ohb::commands {
 namespace fs = std::filesystem;
@@ -48,21 +48,6 @@ SetPicture read_set(const bake::CanonicalMesh& mesh, const Scan& scan, uint16_t 
   return picture;
 }
 
-/// Calls at(texel, triangle of the model, its barycentric weights there) for every pixel that shows a face.
-template <class At>
-void for_each_texel(const SetPicture& picture, At at) {
-  const int width = picture.colour.width_px, height = picture.colour.height_px;
-  tbb::parallel_for(0, height, [&](int row) {
-    for (int x = 0; x < width; ++x) {
-      const uint32_t owner = picture.coverage.owner_of(x, row);
-      if (owner == surface::TexelCoverage::kNone) continue;
-      const surface::TexelTriangle in_texels = surface::to_texel_space(picture.uvs[owner], width, height);
-      const surface::NearestPoint point = surface::nearest_point_of_texel(in_texels, width, height, x, row);
-      at(static_cast<size_t>(row) * width + x, picture.index[owner], point.weights);
-    }
-  });
-}
-
 /// Weighted sums of colours, one a position.
 struct PositionColours {
   std::vector<Vec3f> sum;
@@ -80,8 +65,7 @@ void add_pixels(const Model& model, const SetPicture& picture, Vec3f factor, Pos
     for (int x = 0; x < width; ++x) {
       const uint32_t owner = picture.coverage.owner_of(x, row);
       if (owner == surface::TexelCoverage::kNone) continue;
-      const surface::NearestPoint point = surface::nearest_point_of_texel(
-          surface::to_texel_space(picture.uvs[owner], width, height), width, height, x, row);
+      const surface::NearestPoint point = surface::shown_point(picture.coverage, picture.uvs, x, row);
       const float* const c = picture.colour.pixel(x, row);
       for (int k = 0; k < 3; ++k)
         colours.add(model.triangles[picture.index[owner]].position[k], static_cast<float>(point.weights[k]),
@@ -285,18 +269,18 @@ void divide(const Model& model, const std::array<ClassSums, kClassCount>& sums,
 void look_up_irradiance(const Model& model, const std::vector<Vec3f>& irradiance, SetPicture& picture) {
   picture.divisor = Image(picture.colour.width_px, picture.colour.height_px, 3);
   std::fill(picture.divisor.values.begin(), picture.divisor.values.end(), 1.0f);
-  for_each_texel(picture, [&](size_t texel, uint32_t t, const double weights[3]) {
+  surface::for_each_covered_texel(picture.coverage, [&](int x, int row, uint32_t owner) {
+    const ModelTriangle& triangle = model.triangles[picture.index[owner]];
+    const surface::NearestPoint point = surface::shown_point(picture.coverage, picture.uvs, x, row);
     Vec3f e{0, 0, 0};
-    for (int k = 0; k < 3; ++k)
-      e += static_cast<float>(weights[k]) * irradiance[model.triangles[t].position[k]];
-    for (int c = 0; c < 3; ++c) picture.divisor.values[3 * texel + static_cast<size_t>(c)] = e[c];
+    for (int k = 0; k < 3; ++k) e += static_cast<float>(point.weights[k]) * irradiance[triangle.position[k]];
+    std::copy_n(&e.x, 3, picture.divisor.pixel(x, row));
   });
 }
 
 }  // namespace
 
-DelightReport delight(Scan& scan, const Regions& regions, double unit_cm, const fs::path& scratch) {
-  const bake::CanonicalMesh mesh = bake::canonical_mesh(scan, regions, unit_cm);
+DelightReport delight(Scan& scan, const bake::CanonicalMesh& mesh, const fs::path& scratch) {
   const Model& model = mesh.model;
   std::vector<SetPicture> pictures;
   std::vector<std::string> names;

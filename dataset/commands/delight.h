@@ -37,10 +37,10 @@ constexpr float kLeastIrradiance =
 constexpr double kLeastSlope = 0.5;  // below: there is nothing to delight
 constexpr int kDelightRays = 256;    // a position
 
-/// Gives the scan's materials new diffuse pictures (half EXR, linear) in `scratch`. Each class keeps its mean
-/// colour. Materials with a cut-out keep theirs and cast no shade. Throws as canonical_mesh and read_image.
-DelightReport delight(Scan& scan, const Regions& regions, double unit_cm,
-                      const std::filesystem::path& scratch);
+/// Gives the scan's materials new diffuse pictures (half EXR, linear) in `scratch`; `mesh` is the scan's
+/// canonical_mesh. Each class keeps its mean colour. Materials with a cut-out keep theirs and cast no shade.
+/// Throws as read_image.
+DelightReport delight(Scan& scan, const bake::CanonicalMesh& mesh, const std::filesystem::path& scratch);
 
 /// One line for each class that was left alone.
 std::vector<std::string> warnings_of(const DelightReport& report);

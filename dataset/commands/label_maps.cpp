@@ -1,7 +1,5 @@
 #include "dataset/commands/label_maps.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -9,6 +7,7 @@
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/model_files.h"
 #include "dataset/model/regions.h"
+#include "dataset/surface/covered_texels.h"
 
 namespace ohb::commands {
 namespace {
@@ -32,10 +31,7 @@ Image preview_of(const Image& classes) {
 Vec3f point_of_texel(const Scan& scan, const labelling::MaterialTriangles& of,
                      const surface::TexelCoverage& coverage, int x, int y) {
   const uint32_t owner = coverage.owner_of(x, y);
-  const surface::TexelTriangle in_texels =
-      surface::to_texel_space(of.uvs[owner], coverage.width_px, coverage.height_px);
-  const surface::NearestPoint nearest =
-      surface::nearest_point_of_texel(in_texels, coverage.width_px, coverage.height_px, x, y);
+  const surface::NearestPoint nearest = surface::shown_point(coverage, of.uvs, x, y);
   Vec3f point;
   for (size_t c = 0; c < 3; ++c)
     point +=
@@ -49,18 +45,14 @@ std::vector<uint8_t> classes_of_texels(const Scan& scan, size_t material,
                                        const surface::TexelCoverage& coverage, const FaceLabels& labels) {
   const int width = coverage.width_px, height = coverage.height_px;
   std::vector<uint8_t> classes(coverage.owner.size(), kUnlabelled);
-  tbb::parallel_for(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      const uint32_t owner = coverage.owner_of(x, y);
-      if (owner == surface::TexelCoverage::kNone) continue;
-      const uint32_t face = of.face[owner];
-      uint8_t& at = classes[static_cast<size_t>(y) * width + x];
-      at = labels.face_class[face];
-      if (labels.texels && labels.texels->is_refined(face))
-        at = labels.texels->class_at(
-            material, face, (x + 0.5) / width, (y + 0.5) / height,
-            point_of_texel(scan, of, coverage, x, y) * static_cast<float>(labels.unit_cm));
-    }
+  surface::for_each_covered_texel(coverage, [&](int x, int y, uint32_t owner) {
+    const uint32_t face = of.face[owner];
+    uint8_t& at = classes[static_cast<size_t>(y) * width + x];
+    at = labels.face_class[face];
+    if (labels.texels && labels.texels->is_refined(face))
+      at = labels.texels->class_at(
+          material, face, (x + 0.5) / width, (y + 0.5) / height,
+          point_of_texel(scan, of, coverage, x, y) * static_cast<float>(labels.unit_cm));
   });
   return classes;
 }
@@ -68,18 +60,13 @@ std::vector<uint8_t> classes_of_texels(const Scan& scan, size_t material,
 void write_weights(const std::filesystem::path& file, const Scan& scan,
                    const labelling::MaterialTriangles& of, const surface::TexelCoverage& coverage,
                    const std::vector<uint8_t>& classes, const labelling::SoftBorders& borders) {
-  const int width = coverage.width_px, height = coverage.height_px;
-  Image weights(width, height, kClassCount);
-  tbb::parallel_for(0, height, [&](int y) {
-    for (int x = 0; x < width; ++x) {
-      const uint32_t owner = coverage.owner_of(x, y);
-      if (owner == surface::TexelCoverage::kNone) continue;
-      Vec3f point;
-      if (borders.is_near(of.face[owner])) point = point_of_texel(scan, of, coverage, x, y);
-      const labelling::ClassValues shares =
-          borders.shares_at(of.face[owner], classes[static_cast<size_t>(y) * width + x], point);
-      std::copy(shares.begin(), shares.end(), weights.pixel(x, y));
-    }
+  Image weights(coverage.width_px, coverage.height_px, kClassCount);
+  surface::for_each_covered_texel(coverage, [&](int x, int y, uint32_t owner) {
+    Vec3f point;
+    if (borders.is_near(of.face[owner])) point = point_of_texel(scan, of, coverage, x, y);
+    const labelling::ClassValues shares =
+        borders.shares_at(of.face[owner], classes[static_cast<size_t>(y) * weights.width_px + x], point);
+    std::copy(shares.begin(), shares.end(), weights.pixel(x, y));
   });
   write_exr(file,
             {{"weights", {kClassNames.begin(), kClassNames.end()}, ExrPart::Type::kHalf, std::move(weights)}},

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <set>
 
+#include "dataset/surface/texel_rows.h"
+
 namespace ohb::commands {
 namespace {
 
@@ -12,105 +14,10 @@ constexpr int kCoarsest_px = 8;
 /// UV area, of a tile, below which a face has none: far below a texel of an 8K picture.
 constexpr double kZeroUvArea = 1e-12;
 
-struct UvTriangle {
-  double x[3], y[3];
-};
-
 bool has_uvs(const Scan& scan, const ScanTriangle& triangle) {
   return scan.corners[triangle.corner[0]].uv != Corner::kNoUv &&
          scan.corners[triangle.corner[1]].uv != Corner::kNoUv &&
          scan.corners[triangle.corner[2]].uv != Corner::kNoUv;
-}
-
-/// In tiles, y down, moved by whole tiles so that it lies near the unit tile.
-UvTriangle tile_triangle(const Scan& scan, const ScanTriangle& triangle) {
-  UvTriangle t;
-  double u[3], v[3];
-  for (int i = 0; i < 3; ++i) {
-    const Vec2f uv = scan.uvs[scan.corners[triangle.corner[i]].uv];
-    u[i] = uv.x;
-    v[i] = uv.y;
-  }
-  const double tile_u = std::floor(std::min({u[0], u[1], u[2]})),
-               tile_v = std::floor(std::min({v[0], v[1], v[2]}));
-  for (int i = 0; i < 3; ++i) {
-    t.x[i] = u[i] - tile_u;
-    t.y[i] = 1 - (v[i] - tile_v);
-  }
-  return t;
-}
-
-UvTriangle scaled(UvTriangle t, int width, int height) {
-  for (int i = 0; i < 3; ++i) {
-    t.x[i] *= width;
-    t.y[i] *= height;
-  }
-  return t;
-}
-
-/// Which side of an edge a point is on, exactly opposite for the same edge walked the other way: neighbours
-/// agree on their shared edge.
-class EdgeFunction {
- public:
-  EdgeFunction(double ax, double ay, double bx, double by)
-      : owns_(bx > ax || (bx == ax && by > ay)), x_(owns_ ? ax : bx), y_(owns_ ? ay : by) {
-    dx_ = (owns_ ? bx : ax) - x_;
-    dy_ = (owns_ ? by : ay) - y_;
-  }
-  /// Twice the signed area of (a, b, p).
-  double at(double px, double py) const {
-    const double value = dx_ * (py - y_) - dy_ * (px - x_);
-    return owns_ ? value : -value;
-  }
-  /// A point on the edge belongs to the triangle for which the edge runs to the right, or straight down.
-  bool is_inside(double px, double py) const {
-    const double value = at(px, py);
-    return value > 0 || (value == 0 && owns_);
-  }
-
- private:
-  bool owns_;
-  double x_, y_, dx_, dy_;
-};
-
-/// Calls `hit(x, y)` for the texels whose centres the triangle covers; a centre on an edge belongs to one
-/// side.
-template <typename Hit>
-void rasterise(const UvTriangle& triangle, const Hit& hit) {
-  UvTriangle t = triangle;
-  const double area = EdgeFunction(t.x[0], t.y[0], t.x[1], t.y[1]).at(t.x[2], t.y[2]);
-  if (area == 0) return;
-  if (area < 0) {
-    std::swap(t.x[1], t.x[2]);
-    std::swap(t.y[1], t.y[2]);
-  }
-  const EdgeFunction edges[3] = {
-      {t.x[0], t.y[0], t.x[1], t.y[1]}, {t.x[1], t.y[1], t.x[2], t.y[2]}, {t.x[2], t.y[2], t.x[0], t.y[0]}};
-  const auto low = [](const double* c) {
-    return static_cast<int64_t>(std::ceil(std::min({c[0], c[1], c[2]}) - 0.5));
-  };
-  const auto high = [](const double* c) {
-    return static_cast<int64_t>(std::floor(std::max({c[0], c[1], c[2]}) - 0.5));
-  };
-  const int64_t x_end = high(t.x), y_end = high(t.y);
-  for (int64_t y = low(t.y); y <= y_end; ++y) {
-    bool was_inside = false;
-    for (int64_t x = low(t.x); x <= x_end; ++x) {
-      const double px = static_cast<double>(x) + 0.5, py = static_cast<double>(y) + 0.5;
-      const bool is_inside =
-          edges[0].is_inside(px, py) && edges[1].is_inside(px, py) && edges[2].is_inside(px, py);
-      if (is_inside) hit(x, y);
-      if (was_inside && !is_inside) break;  // a row of a triangle is one piece
-      was_inside = is_inside;
-    }
-  }
-}
-
-double texel_tests(const UvTriangle& t) {
-  const auto extent = [](const double* c) {
-    return std::max({c[0], c[1], c[2]}) - std::min({c[0], c[1], c[2]}) + 1;
-  };
-  return extent(t.x) * extent(t.y);
 }
 
 bool share_a_point(const Scan& scan, const MeshTopology& topology, uint32_t f, uint32_t g) {
@@ -126,15 +33,51 @@ int64_t wrapped(int64_t i, int64_t n) {
   return (i % n + n) % n;
 }
 
+/// A triangle's UVs, moved by whole tiles so that it lies near the unit tile.
 struct DrawnTriangle {
-  UvTriangle tile;
+  surface::TexelPoint uv[3];
   uint32_t face;
 };
 
+DrawnTriangle drawn_triangle(const Scan& scan, const ScanTriangle& triangle) {
+  DrawnTriangle drawn{{}, triangle.face};
+  for (int i = 0; i < 3; ++i) {
+    const Vec2f uv = scan.uvs[scan.corners[triangle.corner[i]].uv];
+    drawn.uv[i] = {uv.x, uv.y};
+  }
+  const auto [a, b, c] = drawn.uv;
+  const surface::TexelPoint tile{std::floor(std::min({a.x, b.x, c.x})),
+                                 std::floor(std::min({a.y, b.y, c.y}))};
+  for (surface::TexelPoint& uv : drawn.uv) uv = uv - tile;
+  return drawn;
+}
+
+surface::TexelTriangle in_texels(const DrawnTriangle& drawn, int width, int height) {
+  const auto corner = [&](int i) {
+    return surface::TexelPoint{drawn.uv[i].x * width, drawn.uv[i].y * height};
+  };
+  return {corner(0), corner(1), corner(2)};
+}
+
 double texel_tests(const std::vector<DrawnTriangle>& drawn, int width, int height) {
   double tests = 0;
-  for (const DrawnTriangle& triangle : drawn) tests += texel_tests(scaled(triangle.tile, width, height));
+  for (const DrawnTriangle& triangle : drawn) {
+    const surface::TexelTriangle t = in_texels(triangle, width, height);
+    tests += (t.high.x - t.low.x + 1) * (t.high.y - t.low.y + 1);
+  }
   return tests;
+}
+
+/// Calls `hit(column, row)`, rows upwards, for the texels whose centres the triangle holds.
+template <typename Hit>
+void rasterise(const surface::TexelTriangle& triangle, const Hit& hit) {
+  if (triangle.is_degenerate) return;
+  const surface::TexelRows reach(triangle, 0);
+  for (int64_t row = reach.rows().first; row <= reach.rows().last; ++row) {
+    const surface::CentreRange columns = reach.columns(row);
+    for (int64_t i = columns.first; i <= columns.last; ++i)
+      if (triangle.owns({static_cast<double>(i) + 0.5, static_cast<double>(row) + 0.5})) hit(i, row);
+  }
 }
 
 UvRaster rasterised(const Scan& scan, const MeshTopology& topology, const std::vector<DrawnTriangle>& drawn,
@@ -142,11 +85,13 @@ UvRaster rasterised(const Scan& scan, const MeshTopology& topology, const std::v
   UvRaster raster;
   raster.face.assign(static_cast<size_t>(width_px) * height_px, kNoFace);
   std::vector<bool> overlaps(raster.face.size(), false);
-  for (const auto& [tile, face] : drawn) {
+  for (const DrawnTriangle& triangle : drawn) {
+    const uint32_t face = triangle.face;
     uint32_t known = face;  // the last owner, and whether the face shares a point with it
     bool shares = true;
-    rasterise(scaled(tile, width_px, height_px), [&, face = face](int64_t x, int64_t y) {
-      const auto texel = static_cast<size_t>(wrapped(y, height_px) * width_px + wrapped(x, width_px));
+    rasterise(in_texels(triangle, width_px, height_px), [&](int64_t x, int64_t row_up) {
+      const int64_t row = height_px - 1 - wrapped(row_up, height_px);
+      const auto texel = static_cast<size_t>(row * width_px + wrapped(x, width_px));
       uint32_t& owner = raster.face[texel];
       if (owner == kNoFace) {
         owner = face;
@@ -223,7 +168,7 @@ std::vector<DrawnTriangle> drawn_triangles(const Scan& scan, const std::vector<S
   std::vector<DrawnTriangle> drawn;
   for (const ScanTriangle& triangle : triangles)
     if (scan.face_material[triangle.face] == material && has_uvs(scan, triangle))
-      drawn.push_back({tile_triangle(scan, triangle), triangle.face});
+      drawn.push_back(drawn_triangle(scan, triangle));
   return drawn;
 }
 

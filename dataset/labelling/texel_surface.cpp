@@ -104,9 +104,9 @@ void TexelSurface::add_sheet(const std::vector<ScanTriangle>& triangles, size_t 
 Vec3f TexelSurface::point_of(SurfaceTexel texel) const {
   const Sheet& sheet = sheets_[texel.sheet];
   const uint32_t owner = sheet.coverage.owner[texel.index];
-  const surface::NearestPoint nearest = surface::nearest_point_of_texel(
-      surface::to_texel_space(sheet.triangles.uvs[owner], sheet.width, sheet.height), sheet.width,
-      sheet.height, static_cast<int>(texel.index) % sheet.width, static_cast<int>(texel.index) / sheet.width);
+  const surface::NearestPoint nearest =
+      surface::shown_point(sheet.coverage, sheet.triangles.uvs, static_cast<int>(texel.index) % sheet.width,
+                           static_cast<int>(texel.index) / sheet.width);
   Vec3f point;
   for (size_t c = 0; c < 3; ++c)
     point += static_cast<float>(nearest.weights[c]) *

@@ -7,6 +7,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "dataset/surface/texel_rows.h"
+
 namespace ohb::surface {
 namespace {
 
@@ -18,47 +20,6 @@ int64_t wrapped(int64_t i, int size) {
   const int64_t rest = i % size;
   return rest < 0 ? rest + size : rest;
 }
-
-/// Whole numbers i with low <= i + 0.5 <= high.
-struct CentreRange {
-  int64_t first, last;
-  CentreRange(double low, double high)
-      : first(static_cast<int64_t>(std::ceil(low - 0.5))),
-        last(static_cast<int64_t>(std::floor(high - 0.5))) {}
-};
-
-/// How far a triangle reaches to the left and right within a band of rows: of a long, thin one that lies
-/// askew most of the bounding box is empty. Never too little: rounding is far below kSlack.
-class RowReach {
- public:
-  explicit RowReach(const TexelTriangle& triangle) : corner_(triangle.corner) {
-    for (int i = 0; i < 3; ++i) {
-      const TexelPoint edge = corner_[(i + 1) % 3] - corner_[i];
-      per_row_[i] = edge.y != 0 ? edge.x / edge.y : 0;
-    }
-  }
-
-  CentreRange columns(double low_y, double high_y, double margin) const {
-    double left = std::numeric_limits<double>::infinity(), right = -left;
-    for (int i = 0; i < 3; ++i) {
-      const TexelPoint a = corner_[i], b = corner_[(i + 1) % 3];
-      const double low = std::max(std::min(a.y, b.y), low_y), high = std::min(std::max(a.y, b.y), high_y);
-      if (low > high) continue;
-      const bool is_level = a.y == b.y;
-      const double x = is_level ? a.x : a.x + (low - a.y) * per_row_[i];
-      const double other_x = is_level ? b.x : a.x + (high - a.y) * per_row_[i];
-      left = std::min({left, x, other_x});
-      right = std::max({right, x, other_x});
-    }
-    constexpr double kSlack = 0.25;
-    if (left > right) return {0.5, -0.5};
-    return {left - margin - kSlack, right + margin + kSlack};
-  }
-
- private:
-  const TexelPoint* corner_;
-  double per_row_[3];  // how far each edge goes to the right on its way one row up
-};
 
 /// The rows [first_row, last_row] (counted upwards, within the map) that one task fills.
 struct Band {
@@ -114,9 +75,8 @@ class BandPainter {
   /// `margin`, in the triangle's own copy of the map.
   template <typename Visit>
   void for_each_texel(const TexelTriangle& triangle, double margin, const Visit& visit) {
-    const CentreRange columns(triangle.low.x - margin, triangle.high.x + margin);
-    const CentreRange rows(triangle.low.y - margin, triangle.high.y + margin);
-    const RowReach reach(triangle);
+    const TexelRows reach(triangle, margin);
+    const CentreRange rows = reach.rows();
     const int64_t first_copy = floor_of(rows.first), last_copy = floor_of(rows.last);
     for (int64_t copy = first_copy; copy <= last_copy; ++copy) {
       const int64_t low = std::max<int64_t>(rows.first, copy * height_ + band_.first_row);
@@ -126,12 +86,9 @@ class BandPainter {
         uint32_t* const owners = &coverage_.owner[static_cast<size_t>(height_ - 1 - row_up) * width_];
         double* const distances = &distance_[static_cast<size_t>(row_up - band_.first_row) * width_];
         const double y = static_cast<double>(row) + 0.5;
-        constexpr double kSlack = 0.25;
-        const CentreRange reached = reach.columns(y - margin - kSlack, y + margin + kSlack, margin);
-        const int64_t first = std::max(columns.first, reached.first);
-        const int64_t last = std::min(columns.last, reached.last);
-        int64_t column = wrapped(first, width_);
-        for (int64_t i = first; i <= last; ++i) {
+        const CentreRange columns = reach.columns(row);
+        int64_t column = wrapped(columns.first, width_);
+        for (int64_t i = columns.first; i <= columns.last; ++i) {
           visit({static_cast<double>(i) + 0.5, y}, owners[column], distances[column]);
           if (++column == width_) column = 0;
         }
@@ -213,6 +170,13 @@ NearestPoint nearest_point_of_texel(const TexelTriangle& triangle, int width_px,
       if (found.squared_distance < nearest.squared_distance) nearest = found;
     }
   return nearest;
+}
+
+NearestPoint shown_point(const TexelCoverage& coverage, const std::vector<UvTriangle>& triangles, int x,
+                         int row) {
+  const int width = coverage.width_px, height = coverage.height_px;
+  const TexelTriangle triangle = to_texel_space(triangles[coverage.owner_of(x, row)], width, height);
+  return nearest_point_of_texel(triangle, width, height, x, row);
 }
 
 TexelCoverage cover_texels(const std::vector<UvTriangle>& triangles, int width_px, int height_px,

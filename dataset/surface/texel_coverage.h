@@ -52,4 +52,8 @@ TexelTriangle to_texel_space(const UvTriangle& triangle, int width_px, int heigh
 NearestPoint nearest_point_of_texel(const TexelTriangle& triangle, int width_px, int height_px, int x,
                                     int row);
 
+/// The point of its owner that a covered texel shows.
+NearestPoint shown_point(const TexelCoverage& coverage, const std::vector<UvTriangle>& triangles, int x,
+                         int row);
+
 }  // namespace ohb::surface

@@ -112,11 +112,10 @@ TEST(ShippedMips, SidesOfSeamsAgreeAtEachLevel) {
   const TemporaryFolder folder;
   BakeOptions options;
   options.size_px = 1024;
-  options.unit_cm = 100;
   options.wants_mips = true;
-  const BakeReport report = bake_to_folder(scan, one_class(scan), table, options, folder.path());
-  const Model model = canonical_mesh(scan, one_class(scan), 100).model;
-  const auto seams = seams_of(model);
+  const CanonicalMesh mesh = canonical_mesh(scan, one_class(scan), 100);
+  const BakeReport report = bake_to_folder(scan, mesh, table, options, folder.path());
+  const auto seams = seams_of(mesh.model);
   ASSERT_GT(seams.size(), 500u);
   const std::vector<Pixels> levels = levels_of(folder / ("maps/" + report.sets.at(0).folder + "/albedo.exr"));
   ASSERT_EQ(levels.size(), 11u);

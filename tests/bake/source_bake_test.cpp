@@ -309,7 +309,8 @@ TEST(SourceBake, SameBytesForAnyNumberOfThreads) {
   const TemporaryFolder out;
   for (size_t threads : {1, 2, 8}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    bake_to_folder(sheet.scan, sheet.regions, kTable, options, out / std::to_string(threads));
+    bake_to_folder(sheet.scan, canonical_mesh(sheet.scan, sheet.regions, 1), kTable, options,
+                   out / std::to_string(threads));
   }
   int files = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(out / "1")) {
@@ -383,7 +384,7 @@ TEST(SourceBake, RefusesInWords) {
   EXPECT_GT(report.sets[0].missed_texels, 100u);
   EXPECT_EQ(*model.sets[0].valid.pixel(3, 0), 0.5f);
   const TemporaryFolder out;
-  bake_to_folder(low, one_class(low), kTable, options, out / "m");
+  bake_to_folder(low, canonical_mesh(low, one_class(low), 1), kTable, options, out / "m");
   const Image debug = read_image(out / "m/maps/all/debug.png");
   EXPECT_EQ(debug.pixel(3, 0)[0], 1.0f);  // missed: red
   EXPECT_EQ(debug.pixel(3, 0)[1], 0.0f);

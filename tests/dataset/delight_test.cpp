@@ -115,7 +115,8 @@ Delit delight_of(const Bumps& bumps, const Image& picture) {
   Scan scan = scan_of_model(bumps.model, "bumps.obj");
   scan.materials[0].diffuse = {folder / "p.exr", nullptr};
   const Regions regions{std::vector<uint8_t>(scan.face_count(), kSkin), std::string(64, '0')};
-  Delit result{delight(scan, regions, 1, folder.path()), error_of(picture, bumps), 0};
+  Delit result{delight(scan, bake::canonical_mesh(scan, regions, 1), folder.path()), error_of(picture, bumps),
+               0};
   result.after = error_of(read_image(scan.materials[0].diffuse), bumps);
   testing::Test::RecordProperty("error_before", std::to_string(result.before));
   testing::Test::RecordProperty("error_after", std::to_string(result.after));
