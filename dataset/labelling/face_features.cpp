@@ -62,18 +62,19 @@ FaceFeatures face_features(const ScanSurface& surface) {
   return features;
 }
 
+float median_difference(std::vector<float> differences) {
+  if (differences.empty()) return kLeastDifference;
+  const auto middle = differences.begin() + static_cast<ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  return std::max(*middle, kLeastDifference);
+}
+
 std::vector<float> edge_likeness(const FaceFeatures& features) {
   const FaceGraph& graph = features.graph;
   std::vector<float> difference(graph.edges.size());
   for (size_t e = 0; e < difference.size(); ++e)
     difference[e] = length(features.lab[graph.edges[e].a] - features.lab[graph.edges[e].b]);
-  std::vector<float> sorted = difference;
-  float median = kLeastDifference;
-  if (!sorted.empty()) {
-    const auto middle = sorted.begin() + static_cast<ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    median = std::max(*middle, kLeastDifference);
-  }
+  const float median = median_difference(difference);
   std::vector<float> likeness(graph.edges.size());
   for (size_t e = 0; e < likeness.size(); ++e) {
     const FaceEdge& edge = graph.edges[e];

@@ -32,4 +32,7 @@ FaceFeatures face_features(const ScanSurface& surface);
 std::vector<float> edge_likeness(const FaceFeatures& features);
 constexpr float kLeastLikeness = 0.02f;
 
+/// The median of colour differences, and no less than what the eye takes for one colour (2 of CIE 1976).
+float median_difference(std::vector<float> differences);
+
 }  // namespace ohb::labelling

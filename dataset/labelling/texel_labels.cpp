@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "dataset/labelling/class_pairs.h"
+#include "dataset/labelling/face_features.h"
 #include "dataset/labelling/texel_colours.h"
 #include "dataset/labelling/texel_surface.h"
 
@@ -19,7 +20,7 @@ constexpr double kFineEdge_cm = 0.1;  // a border along such edges is as good as
 constexpr float kColour = 0.5f, kWay = 0.05f, kBorder_cm = 0.6f;
 constexpr float kFloor = 0.01f;  // least probability
 constexpr float kNever = 1e4f;   // cost of a class that a texel cannot have
-constexpr float kLeastDifference = 2, kLeastLikeness = 0.2f;
+constexpr float kLeastTexelLikeness = 0.2f;
 constexpr int kSureStride = 3;  // of the texels beyond the band whose colours are gathered
 
 struct Node {
@@ -190,19 +191,13 @@ class TexelSolve {
     std::vector<float> difference;
     for (const TexelLink& link : links_)
       difference.push_back(length(surface_->lab_of(link.texel[0]) - surface_->lab_of(link.texel[1])));
-    std::vector<float> sorted = difference;
-    float median = kLeastDifference;
-    if (!sorted.empty()) {
-      const auto middle = sorted.begin() + static_cast<ptrdiff_t>(sorted.size() / 2);
-      std::nth_element(sorted.begin(), middle, sorted.end());
-      median = std::max(*middle, kLeastDifference);
-    }
+    const float median = median_difference(difference);
     for (size_t i = 0; i < links_.size(); ++i) {
       const TexelLink& link = links_[i];
       const uint32_t one = node_at(link.texel[0]), two = node_at(link.texel[1]);
       const float like = std::exp(-difference[i] * difference[i] / (2 * median * median));
       const float weight =
-          kBorder_cm * length(link.b - link.a) * (kLeastLikeness + (1 - kLeastLikeness) * like);
+          kBorder_cm * length(link.b - link.a) * (kLeastTexelLikeness + (1 - kLeastTexelLikeness) * like);
       if (one != TexelGrid::kNone && two != TexelGrid::kNone) {
         energy.pairs.push_back({one, two, weight});
       } else if (one != TexelGrid::kNone || two != TexelGrid::kNone) {

@@ -5,19 +5,13 @@
 #include <cmath>
 #include <cstdint>
 
+#include "dataset/model/mix_bits.h"
 #include "dataset/model/vec.h"
 
 namespace ohb {
 
 constexpr float kPi = 3.14159265358979323846f;
 constexpr float kInvPi = 1.0f / kPi;
-
-/// Avalanche of a 64-bit word (SplitMix64's finaliser, Steele et al. 2014).
-inline uint64_t mix_bits(uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
-}
 
 /// PCG-XSH-RR 64/32 (O'Neill 2014), seeded by what is drawn: (seed, pixel, sample), never by time or thread.
 class Random {

@@ -5,24 +5,18 @@
 #include <string_view>
 #include <vector>
 
-namespace ohb::people {
+#include "dataset/model/mix_bits.h"
 
-/// SplitMix64 (Steele, Lea and Flood 2014).
-inline uint64_t mixed(uint64_t x) {
-  x += 0x9e3779b97f4a7c15ull;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
-}
+namespace ohb::people {
 
 /// A stream of numbers for one purpose: each trait of a person has its own, so that a new trait changes no
 /// other.
 class Random {
  public:
-  Random(uint64_t key, std::string_view purpose) : state_(mixed(key)) {
-    for (const char c : purpose) state_ = mixed(state_ ^ static_cast<unsigned char>(c));
+  Random(uint64_t key, std::string_view purpose) : state_(split_mix(key)) {
+    for (const char c : purpose) state_ = split_mix(state_ ^ static_cast<unsigned char>(c));
   }
-  uint64_t next() { return state_ = mixed(state_); }
+  uint64_t next() { return state_ = split_mix(state_); }
   /// [0, 1), a multiple of 2^-24.
   float unit() { return static_cast<float>(next() >> 40) * 0x1p-24f; }
   float within(float low, float high) { return low + (high - low) * unit(); }

@@ -209,7 +209,7 @@ Recipe draw_recipe(const Assets& assets, const DrawOptions& options, int index, 
   recipe.seed = options.seed;
   recipe.index = index;
   recipe.redraws = redraws;
-  const uint64_t person = mixed(mixed(options.seed) + static_cast<uint64_t>(index));
+  const uint64_t person = split_mix(split_mix(options.seed) + static_cast<uint64_t>(index));
   Random fixed(person, "who");
   recipe.is_female = fixed.chance(.5f);
   recipe.group = static_cast<int>(fixed.below(kGroupCount));
@@ -218,7 +218,7 @@ Recipe draw_recipe(const Assets& assets, const DrawOptions& options, int index, 
   recipe.name = fmt::format("p{:04d}_{}{}_{}", index, recipe.is_female ? 'f' : 'm', recipe.years,
                             kGroupNames[recipe.group]);
   const Group& group = kGroups[recipe.group];
-  const uint64_t key = mixed(person + 0x9e37u * static_cast<uint64_t>(redraws));
+  const uint64_t key = split_mix(person + 0x9e37u * static_cast<uint64_t>(redraws));
   draw_body(group, recipe, Random(person, "body"));
   draw_face(assets, recipe, Random(person, "face"));
   draw_skin(assets, group, recipe, Random(person, "skin"));

@@ -11,7 +11,7 @@ namespace ohb::people {
 namespace {
 
 Random random_of(const Person& person, const char* purpose) {
-  return Random(mixed(person.recipe->seed) + static_cast<uint64_t>(person.recipe->index), purpose);
+  return Random(split_mix(person.recipe->seed) + static_cast<uint64_t>(person.recipe->index), purpose);
 }
 
 Vec3f middle_of(const Part& part, uint32_t face) {

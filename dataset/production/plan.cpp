@@ -7,6 +7,7 @@
 #include "dataset/commands/render_samples.h"
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/data_files.h"
+#include "dataset/model/mix_bits.h"
 #include "dataset/production/plan_people.h"
 
 namespace ohb::production {
@@ -189,20 +190,13 @@ void check_splits(const XmlDocument& xml, const Plan& plan) {
                       "add <views split=\"" + person.split + "\" ...>");
 }
 
-/// The bits of one number spread over all (the finaliser of splitmix64).
-uint64_t mixed(uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
-}
-
 /// The `count` environments of the pool that this key ranks first.
 void draw(const EnvironmentPool& pool, const std::string& split, int count, uint64_t key,
           std::vector<const PlanEnvironment*>& drawn) {
   std::vector<std::pair<uint64_t, const PlanEnvironment*>> ranked;
   for (const PlanEnvironment& environment : pool.environments)
     if (environment.split.empty() || environment.split == split)
-      ranked.emplace_back(mixed(key ^ hash_of_text(environment.name)), &environment);
+      ranked.emplace_back(mix_bits(key ^ hash_of_text(environment.name)), &environment);
   std::partial_sort(ranked.begin(), ranked.begin() + count, ranked.end(), [](const auto& a, const auto& b) {
     return a.first != b.first ? a.first < b.first : a.second->name < b.second->name;
   });
@@ -214,7 +208,7 @@ void draw(const EnvironmentPool& pool, const std::string& split, int count, uint
 uint64_t hash_of_text(const std::string& text) {
   uint64_t hash = 0xcbf29ce484222325ull;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
-  return mixed(hash);
+  return mix_bits(hash);
 }
 
 double share_of_hash(uint64_t hash) {
@@ -279,7 +273,7 @@ std::vector<PlannedSet> sets_of(const Plan& plan, const PlanPerson& person) {
                                      [&](const EnvironmentPool& p) { return p.id == lights.pool; });
       draw(*pool, person.split, lights.count, hash_of_text("light/" + key + pool->id), set.environments);
     }
-    for (const PlanEnvironment* environment : set.environments) names += environment->name + "/";
+    for (const PlanEnvironment* environment : set.environments) names.append(environment->name).append("/");
     set.seed = hash_of_text("seed/" OHB_VERSION "/" + key + names);
     sets.push_back(std::move(set));
   }
