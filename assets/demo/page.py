@@ -96,7 +96,7 @@ def add_regions(page):
 
 
 def add_maps(page):
-    page.heading("2. Six UV maps", "Baked from the scan's picture, its surface and the material table; "
+    page.heading("2. UV maps", "Baked from the scan's picture, its surface and the material table; "
                  f"as half and float EXR in {page.link('model/maps')}, shown here as their previews. The mesh beside them: "
                  f"{page.link('model/mesh.obj')}.")
     for previews in sorted((page.out / "model" / "maps").glob("*/previews"))[:2]:
@@ -108,7 +108,7 @@ def add_samples(page):
     samples = page.out / "samples"
     report = read_json(samples / "render.json")
     previews = samples / "previews"
-    page.heading("3. Samples", "Each view is one multi-part EXR: mask, six image-space maps and one part a light "
+    page.heading("3. Samples", "Each view is one multi-part EXR: mask, image-space maps and one part a light "
                  f"({page.link('samples/view_000.exr')}; how it was rendered: {page.link('samples/render.json')}). Frontal view:")
     page.row([page.figure(previews / f"view_000.{name}.png", name, 180) for name in ("mask",) + MAPS])
     lights = sorted({p.name.split(".relit.")[1][:-4] for p in previews.glob("view_000.relit.*.png")})
@@ -197,7 +197,7 @@ def add_training(page):
 def add_estimate(page):
     estimate, previews = page.out / "estimate", page.out / "samples" / "previews"
     page.heading("7. From one picture", "The weights that come with the project never saw this person. From the picture on "
-                 "the left they estimate six maps (upper row, 128 x 128 pixels); the truth is below. What they can and "
+                 "the left they estimate its maps (upper row, 128 x 128 pixels); the truth is below. What they can and "
                  f"cannot do: {page.link('model_card.md')}. The maps, for Blender's add-on: {page.link('estimate/maps.json')}.")
     page.row([page.figure(estimate / "input.png", "input", 150)] +
              [page.figure(estimate / f"{name}.png", f"{name}, estimated", 150) for name in MAPS])
@@ -259,7 +259,7 @@ def main():
     card = Path(__file__).resolve().parent.parent / "weights" / "model_card.md"
     shutil.copyfile(card, page.out / "model_card.md")
     page.add("<h1>OpenHumanBRDF: the main job on one person</h1>")
-    page.add("<p>A scanned human, from its mesh and picture to a finished sample: regions, six material maps, "
+    page.add("<p>A scanned human, from its mesh and picture to a finished sample: regions, material maps, "
              "relit views, and a comparison with Blender Cycles; and back, "
              "from one picture to estimated maps, relit and edited in Blender.</p>")
     views = page.out / "samples" / "previews"

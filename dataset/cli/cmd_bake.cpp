@@ -68,7 +68,7 @@ void add_source_options(CLI::App* command, commands::BakeJob& job) {
 }  // namespace
 
 void add_bake_command(CLI::App& app, Commands& commands) {
-  CLI::App* command = app.add_subcommand("bake", "The six UV maps of a labelled scan, as a renderable model");
+  CLI::App* command = app.add_subcommand("bake", "The UV maps of a labelled scan, as a renderable model");
   auto job = std::make_shared<commands::BakeJob>();
   add_scan_options(command, *job);
   add_source_options(command, *job);

@@ -4,6 +4,7 @@
 
 #include "dataset/exports/forms.h"
 #include "dataset/exports/realism.h"
+#include "dataset/model/map_table.h"
 #include "dataset/model/regions.h"
 
 namespace ohb::exports {
@@ -39,10 +40,10 @@ std::string card_text(const SampleIndex& index, const std::vector<std::vector<st
   }
   std::string text = fmt::format("# {}\n\n{} people, {} sets under {} lights.\n\n", index.name,
                                  index.people.size(), index.samples.size(), sets_of_light.size());
-  text +=
-      "Each set: a mask, six maps (normal, diffuse albedo, roughness, specular albedo, subsurface, "
-      "displacement), shares of the classes (" +
-      class_list(", ", ", ") + ") and lit pictures. Made by openhumanbrdf " OHB_VERSION ".\n\n";
+  text += "Each set: a mask, maps (normal, albedo, displacement";
+  for (const MaterialMap& map : kMaterialMaps) text += std::string(", ") + map.name;
+  text += "), shares of the classes (" + class_list(", ", ", ") +
+          ") and lit pictures. Made by openhumanbrdf " OHB_VERSION ".\n\n";
   text += "![one picture a person](contact_sheet.png)\n\n";
   if (has_realism)
     text +=

@@ -23,7 +23,7 @@ struct PieceCues {
 std::vector<PieceCues> piece_cues(const FaceFeatures& features, const Garments& garments,
                                   const BodyFrame& frame, const std::vector<uint8_t>& part);
 
-/// Probabilities of the four classes, by the weights. `leather_share`: how many garments, shoes apart, are
+/// Probabilities of the classes, by the weights. `leather_share`: how many garments, shoes apart, are
 /// leather among people like this one, in (0,1). No look makes leather rarer than kLeastLeather.
 ClassValues piece_classes(const Garment& piece, const PieceCues& cues, const PieceWeights& weights,
                           float leather_share);

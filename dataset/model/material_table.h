@@ -1,4 +1,4 @@
-// Specular, roughness and subsurface of the four classes (paper, table of materials; assets/materials.xml).
+// The value of each map of kMaterialMaps for each class (paper, table of materials; assets/materials.xml).
 #pragma once
 
 #include <array>

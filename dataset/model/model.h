@@ -1,4 +1,4 @@
-// A renderable model: the mesh in canonical axes and centimetres, and six maps for each texture set.
+// A renderable model: the mesh in canonical axes and centimetres, and the maps of each texture set.
 // This is what `bake` writes and what `render` and `validate` read.
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace ohb {
 
-/// The six UV maps of one UV layout (a scan has one set; a model of parts has one a part), v up, texel
+/// The UV maps of one UV layout (a scan has one set; a model of parts has one a part), v up, texel
 /// (column i, row r from the top) centred at u = (i + .5) / width, v = 1 - (r + .5) / height, REPEAT.
 /// All maps of a set have the same size.
 struct TextureSet {

@@ -66,7 +66,7 @@ void encode_preview(const std::string& map, Image& preview) {
 ByteImage bytes_of(const Image& image) {
   ByteImage bytes(image.width_px, image.height_px, image.channels);
   std::transform(image.values.begin(), image.values.end(), bytes.values.begin(), [](float value) {
-    return static_cast<uint8_t>(255 * (value > 0 ? std::min(value, 1.0f) : 0.0f) + 0.5f);
+    return static_cast<uint8_t>(std::floor(255 * (value > 0 ? std::min(value, 1.0f) : 0.0f) + 0.5f));
   });
   return bytes;
 }
@@ -161,7 +161,7 @@ bool write_texture_map(const fs::path& folder, const MapKind& kind, Image image,
                        std::vector<Image> mips) {
   const fs::path maps = folder / "maps" / entry.folder, previews = maps / "previews";
   make_folders(previews);
-  // All six maps are on disk, but a flat normal map is not named in model.xml: nobody need sample it.
+  // All maps are on disk, but a flat normal map is not named in model.xml: nobody need sample it.
   const bool is_flat_normal = image.values.empty() && kind.image == &TextureSet::normal;
   if (is_flat_normal) image = flat_normals(entry.width_px, entry.height_px);
   if (image.values.empty() && kind.is_optional) return false;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Loads a maps folder: seven checked rasters of physical quantities. Leaves nothing behind in Blender."""
+"""Loads a maps folder: checked rasters of physical quantities. Leaves nothing behind in Blender."""
 from array import array
 from dataclasses import dataclass, field
 
