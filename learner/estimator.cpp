@@ -20,6 +20,13 @@ Estimator::Estimator(const std::vector<std::filesystem::path>& files_or_runs, Pr
   priors_.emplace(priors, finetune_ ? PriorsNeeded::kAll : needed);
 }
 
+std::vector<Network> Estimator::networks() const {
+  std::vector<Network> all;
+  for (const auto& [task, network] : priors_->networks()) all.push_back(network);
+  if (finetune_) all.push_back(*finetune_);
+  return all;
+}
+
 MaterialMaps Estimator::maps_by(const std::function<torch::Tensor(const torch::Tensor&)>& networks,
                                 const torch::Tensor& input) const {
   torch::NoGradGuard no_gradients;

@@ -22,6 +22,7 @@ class Estimator {
   /// False: the maps of a prior that is not there are NaN.
   bool is_whole() const { return priors_->is_whole(); }
   bool has_finetune() const { return finetune_.has_value(); }
+  std::vector<Network> networks() const;
   /// The priors' estimate of input (B, 4, H, W), see network_input. Networks see it at the size that they
   /// were trained at, or its own if that is smaller: larger, they err more. Maps are of the input's size:
   /// output_at_size_of.

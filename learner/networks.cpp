@@ -1,5 +1,7 @@
 #include "learner/networks.h"
 
+#include <ATen/TracerMode.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -42,8 +44,10 @@ Tensor tokens_of(const Tensor& x) {
   return x.flatten(2).transpose(1, 2).contiguous();
 }
 
-/// Sines and cosines of the row and of the column, a quarter of the channels each: (1, h w, channels).
+/// Sines and cosines of the row and of the column, a quarter of the channels each: (1, h w, channels). A
+/// recorded network keeps them as numbers: computing them again would name this device.
 Tensor positions(int64_t height, int64_t width, int64_t channels, const torch::TensorOptions& options) {
+  const at::tracer::impl::NoTracerDispatchMode unrecorded;
   const int64_t quarter = channels / 4;
   const Tensor frequency =
       torch::exp(torch::arange(quarter, options) * (-std::log(1e4) / static_cast<double>(quarter)));
@@ -116,21 +120,21 @@ FusionBlockImpl::FusionBlockImpl(int64_t channels, int64_t guidance_channels)
       mlp_out_(register_module("mlp_out", nn::Linear(4 * channels, channels))) {}
 
 Tensor FusionBlockImpl::attend(Tensor queries, Tensor keys, Tensor values) {
-  const int64_t batch = queries.size(0), channels = queries.size(2), each = channels / kHeads;
+  // Sizes of the batch are left open, so that a recorded network (torchscript.h) takes any.
+  const int64_t channels = queries.size(2), each = channels / kHeads;
   const auto heads = [&](const Tensor& x) {
-    return x.view({batch, x.size(1), kHeads, each})
-        .transpose(1, 2)
-        .reshape({batch * kHeads, x.size(1), each});
+    return x.view({-1, x.size(1), kHeads, each}).transpose(1, 2).reshape({-1, x.size(1), each});
   };
   const Tensor scores =
       torch::bmm(heads(queries) * (1 / std::sqrt(static_cast<double>(each))), heads(keys).transpose(1, 2));
   const Tensor mixed = torch::bmm(torch::softmax(scores, -1), heads(values));
-  return mixed.view({batch, kHeads, queries.size(1), each}).transpose(1, 2).reshape(queries.sizes());
+  return mixed.view({-1, kHeads, queries.size(1), each})
+      .transpose(1, 2)
+      .reshape({-1, queries.size(1), channels});
 }
 
 Tensor FusionBlockImpl::forward(Tensor latent, const std::vector<Tensor>& guidance) {
-  const int64_t batch = latent.size(0), channels = latent.size(1), height = latent.size(2),
-                width = latent.size(3);
+  const int64_t channels = latent.size(1), height = latent.size(2), width = latent.size(3);
   std::vector<Tensor> hints;
   for (const Tensor& features : guidance) {
     const Tensor tokens = norm_guidance_(tokens_of(torch::avg_pool2d(features, 2)));
@@ -143,7 +147,7 @@ Tensor FusionBlockImpl::forward(Tensor latent, const std::vector<Tensor>& guidan
   const std::vector<Tensor> parts = self_in_(norm_self_(x)).chunk(3, 2);
   x = x + self_out_(attend(parts[0].contiguous(), parts[1].contiguous(), parts[2].contiguous()));
   x = x + mlp_out_(torch::gelu(mlp_in_(norm_mlp_(x))));
-  return x.view({batch, height, width, channels}).permute({0, 3, 1, 2});  // channels last
+  return x.view({-1, height, width, channels}).permute({0, 3, 1, 2});  // channels last
 }
 
 LatentEncoderImpl::LatentEncoderImpl(int64_t in, double width) {

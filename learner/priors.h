@@ -20,6 +20,7 @@ class PriorSet {
   explicit PriorSet(const std::vector<std::filesystem::path>& files_or_runs,
                     PriorsNeeded needed = PriorsNeeded::kAll);
   bool is_whole() const { return networks_.size() == 3; }
+  const std::map<Task, Network>& networks() const { return networks_; }
   torch::Tensor estimate(const torch::Tensor& input) const;
 
  private:

@@ -39,6 +39,7 @@ void add_evaluate_command(CLI::App& app, Commands& commands);
 void add_stress_command(CLI::App& app, Commands& commands);
 void add_estimate_command(CLI::App& app, Commands& commands);
 void add_relight_command(CLI::App& app, Commands& commands);
+void add_torchscript_command(CLI::App& app, Commands& commands);
 
 void Commands::add_to(CLI::App& app) {
   add_train_command(app, *this);
@@ -46,6 +47,7 @@ void Commands::add_to(CLI::App& app) {
   add_stress_command(app, *this);
   add_estimate_command(app, *this);
   add_relight_command(app, *this);
+  add_torchscript_command(app, *this);
 }
 
 }  // namespace ohb::learner

@@ -117,6 +117,7 @@ class Fixture:
                 "train": [h, "train", "geometry", "--data", f / "samples", "--size", 64, "--width", 1 if heavy else 0.05,
                           "--batch", 256 if heavy else 1, "--steps", 50 if heavy else 1, "-o", output],
                 "estimate": [*self.estimate(output)[:-4], "--size", 1024 if heavy else 64, "-o", output],
+                "torchscript": [h, "torchscript", *self.estimate(output)[5:9], "-o", output],
                 "evaluate": [h, "evaluate", *self.estimate(output)[6:9], "--data", f / "samples", "--person", "scan", "--size", 64,
                              *light, "--relight-spp", 4096 if heavy else 1, "-o", output],
                 "stress": [h, "stress", *self.estimate(output)[6:9], "--data", f / "samples", "--person", "scan", "--size", 64,

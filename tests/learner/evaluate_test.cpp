@@ -10,6 +10,7 @@
 #include "learner/estimate.h"
 #include "test_maps.h"
 #include "test_samples.h"
+#include "test_weights.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -18,28 +19,6 @@ using namespace renderer;
 namespace {
 
 using torch::Tensor;
-
-/// Untrained weights of the three priors (and finetune) at 16 px, as files.
-std::vector<std::filesystem::path> weights_in(const TemporaryFolder& folder, bool finetune) {
-  std::vector<std::filesystem::path> files;
-  for (const Task task : kTasks) {
-    if (task == Task::kFinetune && !finetune) continue;
-    torch::manual_seed(3);
-    const Network network = make_network(task, 0.125);
-    const auto file = folder / (std::string(name_of(task)) + ".safetensors");
-    save_weights(file,
-                 {{"format", 1},
-                  {"task", name_of(task)},
-                  {"width", 0.125},
-                  {"size_px", 16},
-                  {"step", 0},
-                  {"trained_on", {"person0"}},
-                  {"held_out", {"person1"}}},
-                 network);
-    files.push_back(file);
-  }
-  return files;
-}
 
 TEST(Psnr, IsThatOfKnownErrors) {
   const Tensor truth = torch::full({1, 3, 4, 4}, 0.5), half_off = truth + 0.1;
