@@ -1,13 +1,15 @@
 """Runs the suite, the installation and the extension platform's own validation in other versions of Blender, as modules
 of Python:
 
-    wheels_test.py --make FOLDER 4.5.14 5.0.1     makes a virtual environment a version there (350 MB each, by pip)
-    wheels_test.py PYTHON...                      runs in these; without any, in those of HM_BPY_PYTHONS (with colons)
+    wheels_test.py --make FOLDER 4.5.14 5.0.1     makes a virtual environment a version there (350 MB each, by pip), unless
+                                                  it is there; needs the Python of those versions (4.2 to 5.0: 3.11)
+    wheels_test.py PYTHON...                      runs in these
 
-Ends with a line a version; exits with 77 and says so where there is none.
+Ends with a line a version; exits with 77 and says so where one is not there. `./test --blenders 4.5.14,5.0.1` does both.
 """
 import os
 import runpy
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -20,11 +22,22 @@ VALIDATOR = "import bpy, os; print(os.path.join(bpy.utils.system_resource('SCRIP
 
 
 def make(folder, versions):
+    """Whether all are there. One that could not be installed leaves nothing."""
+    failed = []
     for version in versions:
         home = os.path.join(folder, "bpy-" + version)
-        subprocess.run([sys.executable, "-m", "venv", home], check=True)
-        subprocess.run([os.path.join(home, "bin", "pip"), "install", "-q", "bpy==" + version], check=True)
-        print(os.path.join(home, "bin", "python"))
+        python = os.path.join(home, "bin", "python")
+        if not os.path.exists(python):
+            commands = ([sys.executable, "-m", "venv", home],
+                        [os.path.join(home, "bin", "pip"), "install", "-q", "bpy==" + version])
+            if any(subprocess.run(command).returncode != 0 for command in commands):
+                shutil.rmtree(home, ignore_errors=True)
+                failed.append(version)
+                continue
+        print(python)
+    if failed:
+        print("could not be installed: Blender %s" % ", ".join(failed))
+    return int(bool(failed))
 
 
 def environment_of(folder):
@@ -67,12 +80,12 @@ def test(python):
 def main(arguments):
     if arguments[:1] == ["--make"]:
         return make(arguments[1], arguments[2:])
-    pythons = arguments or [p for p in os.environ.get("HM_BPY_PYTHONS", "").split(":") if p]
-    if not pythons:
-        print("skipped: no other Blender; make some with wheels_test.py --make FOLDER 4.5.14 5.0.1 and name their "
-              "Pythons in HM_BPY_PYTHONS")
+    missing = [python for python in arguments if not os.path.exists(python)]
+    if missing or not arguments:
+        print("skipped: %s is not there; ./test --blenders VERSION,... installs other Blenders"
+              % (", ".join(missing) or "any Python"))
         return 77
-    results = [(python, *test(python)) for python in pythons]
+    results = [(python, *test(python)) for python in arguments]
     for python, words, _ in results:
         print("%s: %s" % (python, words))
     return int(not all(is_good for _, _, is_good in results))
