@@ -1,19 +1,24 @@
 r"""How long the add-on's pictures take, and how clean they are. In Blender, or in Python with bpy:
 
     blender -b -noaudio --factory-startup --python-exit-code 1 --python addon_figures.py -- \
-        times LIGHT.exr MAPS OUT.csv [SAMPLES REFERENCE]
+        times LIGHT.exr MAPS OUT.csv [SAMPLES REFERENCE [X Y WIDTH HEIGHT]]
         edits LIGHT.exr OUT.csv MAPS...
+        photos LIGHT.exr OUT.csv FOLDER MAPS...
     python3 addon_figures.py chart OUT.svg LABEL=TIMES.csv...            (gnuplot)
 
 times: seconds of a processor (user + system), because
 other programs may run, and PSNR of the sRGB values over the person against 256 samples of other random numbers: a line
 for each number of samples, without and with the denoiser where there is one, and for Eevee. SAMPLES: those numbers with
-commas; REFERENCE: samples to compare with, fewer for large maps. A run that is stopped leaves the lines that it has.
+commas; REFERENCE: samples to compare with, fewer for large maps. X Y WIDTH HEIGHT: only this part of the picture, in pixels
+from its lower left corner, is rendered. A run that is stopped leaves the lines that it has.
 
 edits: the two largest garments of each person (fabric or leather), each made red, and polished (roughness 0.1): mean
 absolute change outside the garment, where other garments' and classes' pixels are, of the maps (linear albedo, roughness)
 and of the picture's sRGB values, lit directly alone and with bounces. What bounces off a red garment is red: that is
 light, not a leak. A pixel is outside where no share of the garment is in it.
+
+photos: estimated maps of people in white shirts, relit by LIGHT and by a disc behind the person (20 degrees wide, radiance
+50, 20 degrees up); pictures into FOLDER. The shirt is what has an albedo above code 153, 3 px from the outline. Needs NumPy.
 """
 import array
 import csv
@@ -57,6 +62,20 @@ class Studio:
         environment.set_environment(self.scene, light)
         environment.show_background(self.scene, False)
         self.folder = tempfile.mkdtemp(prefix="hm_figures")
+        self.part = (0, 0, *self.loaded.size)
+
+    def show_part(self, x, y, width, height):
+        """From here on only this part is rendered."""
+        whole_width, whole_height = self.loaded.size
+        settings, self.part = self.scene.render, (x, y, width, height)
+        settings.use_border = settings.use_crop_to_border = True
+        settings.border_min_x, settings.border_max_x = x / whole_width, (x + width) / whole_width
+        settings.border_min_y, settings.border_max_y = y / whole_height, (y + height) / whole_height
+
+    def mask(self):
+        """Of the part."""
+        x, y, width, height = self.part
+        return [self.loaded.mask[(y + v) * self.loaded.size[0] + x + u] for v in range(height) for u in range(width)]
 
     def picture(self, samples, seed=0, engine="CYCLES", denoise=False):
         """(linear values, seconds of a processor)."""
@@ -70,7 +89,7 @@ class Studio:
         start = processor_s()
         self.render.to_file(self.scene, path)
         seconds = processor_s() - start
-        return self.maps.read_raster(path, 3, *self.loaded.size), seconds
+        return self.maps.read_raster(path, 3, *self.part[2:]), seconds
 
     def srgb_of(self, values, pixels):
         """sRGB values of those pixels, one pixel after another: of large pictures only the person is looked at."""
@@ -87,10 +106,12 @@ def psnr(a, b):
     return -10 * math.log10(max(sum((u - v) ** 2 for u, v in zip(a, b)) / len(a), 1e-12))
 
 
-def times(light, folder, output, samples="", reference=REFERENCE):
+def times(light, folder, output, samples="", reference=REFERENCE, *part):
     counts = [int(count) for count in samples.split(",")] if samples else SAMPLES
     studio = Studio(light, folder)
-    covered = [p for p, m in enumerate(studio.loaded.mask) if m > 0.5]
+    if part:
+        studio.show_part(*map(int, part))
+    covered = [p for p, m in enumerate(studio.mask()) if m > 0.5]
     with open(output, "w", newline="", encoding="utf-8") as file:
         def row(*cells):
             csv.writer(file).writerow(cells)
@@ -172,6 +193,96 @@ def look(studio, edited):
     return found
 
 
+SHIRT_CODE, OUTLINE_PX, WINDOW_PX, DARK = 153, 3, 11, 0.4
+ROW = ("photo", "px", "shirt_px", "albedo", "relit", "speckle", "glow", "dark", "outline", "processor_s")
+DISC = 50.0, 20.0, 20.0   # radiance, width and height above the horizon, degrees
+
+
+def disc(path):
+    """An environment with a disc on -Z, behind the person."""
+    sys.path.insert(0, os.path.join(HERE, "..", "addon"))
+    from support import image_files
+    width, values = 512, []
+    radiance, wide, high = DISC[0], math.radians(DISC[1] / 2), math.radians(DISC[2])
+    for y in range(width // 2):
+        up = math.pi * (0.5 - (y + 0.5) / (width // 2))
+        for x in range(width):
+            turn = 2 * math.pi * ((x + 0.5) / width - 0.25)   # from -Z
+            cosine = math.sin(up) * math.sin(high) + math.cos(up) * math.cos(high) * math.cos(turn)
+            values += [radiance * (cosine > math.cos(wide))] * 3
+    image_files.exr(path, width, width // 2, values)
+
+
+def within(np, inside, pixels):
+    """The pixels of a mask that are so far from its end."""
+    for _ in range(pixels):
+        inside = inside.copy()
+        inside[1:-1, 1:-1] &= inside[:-2, 1:-1] & inside[2:, 1:-1] & inside[1:-1, :-2] & inside[1:-1, 2:]
+    return inside
+
+
+def median_around(np, values, size):
+    padded = np.pad(values, [(size // 2, size // 2)] * 2 + [(0, 0)], mode="edge")
+    return np.concatenate([np.median(np.lib.stride_tricks.sliding_window_view(padded[y:y + size], (size, size), (0, 1)),
+                                     axis=(-1, -2)) for y in range(len(values))])
+
+
+def codes(np, values):
+    values = np.clip(values, 0, 1)
+    return 255 * np.where(values <= 0.0031308, 12.92 * values, 1.055 * np.maximum(values, 1e-9) ** (1 / 2.4) - 0.055)
+
+
+def photos(light, output, folder, *maps):
+    import numpy as np
+    os.makedirs(folder, exist_ok=True)
+    behind = os.path.join(folder, "disc.exr")
+    disc(behind)
+    with open(output, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, ROW)
+        writer.writeheader()
+        for path in maps:
+            row = photo(np, path, light, behind, folder)
+            writer.writerow(row)
+            print(row, flush=True)
+
+
+def photo(np, path, light, behind, folder):
+    name = os.path.basename(os.path.abspath(path))
+    pictures, seconds = {}, {}
+    for key, environment in (("light", light), ("behind", behind)):
+        studio = Studio(environment, path)
+        width, height = studio.loaded.size
+        values, seconds[key] = studio.picture(64)
+        pictures[key] = np.array(values).reshape(height, width, 3)
+        save_png(studio, os.path.join(folder, "%s_%s.png" % (name, key)), codes(np, pictures[key]) / 255)
+    albedo = codes(np, np.array(studio.loaded.diffuse).reshape(height, width, 3))
+    inside = np.array(studio.loaded.mask).reshape(height, width) > 0.5
+    shirt = within(np, inside, OUTLINE_PX) & (albedo.min(2) > SHIRT_CODE)
+    relit = codes(np, pictures["light"])
+    speckle = (relit - median_around(np, relit, 5))[shirt]
+    grey = pictures["light"].mean(2, keepdims=True)
+    dark = within(np, inside, OUTLINE_PX) & (grey < DARK * median_around(np, grey, WINDOW_PX))[..., 0]
+    lit = pictures["behind"].mean(2)
+    rim = lit[inside & ~within(np, inside, 1)].mean() / lit[within(np, inside, 2) & ~within(np, inside, 4)].mean()
+
+    def mean(values):
+        return " ".join("%.3g" % v for v in values[shirt].mean(0))
+    return {"photo": name, "px": width, "shirt_px": int(shirt.sum()), "albedo": mean(albedo), "relit": mean(relit),
+            "speckle": "%.1f" % math.sqrt((speckle ** 2).mean()), "glow": mean(pictures["behind"]),
+            "dark": int(dark.sum()), "outline": "%.2f" % rim, "processor_s": "%.1f" % seconds["light"]}
+
+
+def save_png(studio, path, values):
+    height, width, _ = values.shape
+    image = studio.bpy.data.images.new("picture", width, height)
+    flat = [1.0] * (4 * width * height)
+    for c in range(3):
+        flat[c::4] = values[..., c].ravel().tolist()
+    image.pixels.foreach_set(flat)
+    image.filepath_raw, image.file_format = path, "PNG"
+    image.save()
+
+
 COLORS = ("#7b3294", "#d55e00", "#0072b2", "#009e73", "#000000", "#cc79a7")
 #: (way, denoiser) -> words, line and point: a colour is a version and a size
 WAYS = {("cycles", ""): ("Cycles", "dashtype 1 pointtype 7"), ("cycles", "denoised"): ("denoised", "dashtype 2 pointtype 5"),
@@ -202,7 +313,7 @@ def chart(output, *labelled):
 
 if __name__ == "__main__":
     arguments = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else sys.argv[1:]
-    {"times": times, "edits": edits, "chart": chart}[arguments[0]](*arguments[1:])
+    {"times": times, "edits": edits, "photos": photos, "chart": chart}[arguments[0]](*arguments[1:])
     sys.stdout.flush()
     if "bpy" in sys.modules and not sys.modules["bpy"].app.binary_path:
         os._exit(0)   # some modules crash when Python ends
