@@ -1,5 +1,6 @@
 #include "dataset/commands/inspect_warnings.h"
 
+#include <cmath>
 #include <cstdio>
 
 namespace ohb::commands {
@@ -136,10 +137,9 @@ std::vector<Warning> inspect_warnings(const InspectReport& report, bool unit_giv
   warnings.add(!report.unit.unit_cm, report.unit.reason, report.unit.mend);
   const double height = static_cast<double>(report.bounds.high.y) - report.bounds.low.y;
   const double height_cm = height * report.unit.unit_cm.value_or(0);
-  warnings.add(
-      unit_given && (height_cm > 250 || height_cm < 15),
-      "in that unit the scan is " + std::to_string(static_cast<long long>(height_cm + 0.5)) + " cm high",
-      "check --unit");
+  warnings.add(unit_given && (height_cm > 250 || height_cm < 15),
+               "in that unit the scan is " + std::to_string(std::llround(height_cm)) + " cm high",
+               "check --unit");
   warnings.add(!report.lying.empty(), report.lying,
                "label, inspect: turn it with --up z (or -z, x, -x); --up y if it is meant to lie");
   warnings.add(!report.facing.empty(),

@@ -129,6 +129,7 @@ bool is_in_range(const ColourRange& range, Vec3f linear) {
 /// The answers of a rule's globs for each name, so that none is matched once a face.
 std::vector<bool> matches_of(const std::string& glob, const std::vector<std::string>& names) {
   std::vector<bool> matches;
+  matches.reserve(names.size());
   for (const std::string& name : names) matches.push_back(glob.empty() || matches_glob(glob, name));
   return matches;
 }

@@ -152,6 +152,7 @@ Painting coloured_lamps(Random& random, int width_px) {
     return hue_of(hue, within(random, 0.4f, 0.95f));
   };
   const int glow_count = 2 + below(random, 3), lamp_count = below(random, 4);
+  glows.reserve(static_cast<size_t>(glow_count));
   for (int k = 0; k < glow_count; ++k) glows.push_back(draw_glow(random, [&] { return colour(k); }));
   for (int k = 0; k < lamp_count; ++k) {
     const bool is_disc = random.next() < 0.3f;

@@ -56,6 +56,7 @@ std::vector<BorderPiece> borders_of_faces(const ScanSurface& surface,
 
 std::vector<uint8_t> class_bits(const std::vector<uint8_t>& face_class) {
   std::vector<uint8_t> bits;
+  bits.reserve(face_class.size());
   for (uint8_t c : face_class) bits.push_back(c < kClassCount ? static_cast<uint8_t>(1u << c) : uint8_t{0});
   return bits;
 }

@@ -201,10 +201,12 @@ std::vector<ClassValues> Labeller::colour_probability(const std::vector<ClassVal
   for (size_t f = 0; f < faces; f += std::max<size_t>(1, faces / kColourSamples))
     sample.push_back(static_cast<uint32_t>(f));
   std::vector<Appearance> looks;
+  looks.reserve(sample.size());
   for (uint32_t f : sample) looks.push_back(features_.appearance[f]);
   std::array<std::optional<ColourModel>, kClassCount> models;
   tbb::parallel_for(0, kClassCount, [&](int c) {
     std::vector<float> weights;
+    weights.reserve(sample.size());
     for (uint32_t f : sample)
       weights.push_back(share[f][c] > kSureShare ? features_.graph.area_cm2[f] * share[f][c] * share[f][c]
                                                  : 0);

@@ -28,7 +28,7 @@ int hex_digit(char c) {
 
 /// Nothing if the bytes are not of that encoding.
 std::optional<std::string> as_utf8(std::string_view bytes, const char* encoding) {
-  const iconv_t converter = iconv_open("UTF-8", encoding);
+  iconv_t converter = iconv_open("UTF-8", encoding);
   if (converter == reinterpret_cast<iconv_t>(-1)) return std::nullopt;
   std::string from(bytes), text(bytes.size() * 4 + 4, '\0');
   char *in = from.data(), *out = text.data();

@@ -44,6 +44,14 @@ __attribute__((target("avx,f16c"))) void expand_by_eight(const uint16_t* halves,
                      _mm256_cvtph_ps(_mm_loadu_si128(reinterpret_cast<const __m128i*>(halves + i))));
   expand(halves + i, count - i, values + i);
 }
+
+bool has_f16c() {
+#if defined(__clang__)
+  return __builtin_cpu_supports("avx2");  // clang 14 has no word for F16C, which each such processor has
+#else
+  return __builtin_cpu_supports("f16c");
+#endif
+}
 #endif
 
 }  // namespace
@@ -51,7 +59,7 @@ __attribute__((target("avx,f16c"))) void expand_by_eight(const uint16_t* halves,
 std::vector<uint16_t> halves_of(const float* values, size_t count) {
   std::vector<uint16_t> halves(count);
 #if defined(__x86_64__)
-  const auto run = __builtin_cpu_supports("f16c") ? convert_by_eight : convert;
+  const auto run = has_f16c() ? convert_by_eight : convert;
 #else
   const auto run = convert;
 #endif
@@ -65,7 +73,7 @@ std::vector<uint16_t> halves_of(const float* values, size_t count) {
 
 void floats_of(const uint16_t* halves, size_t count, float* values) {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("f16c")) return expand_by_eight(halves, count, values);
+  if (has_f16c()) return expand_by_eight(halves, count, values);
 #endif
   expand(halves, count, values);
 }

@@ -253,7 +253,7 @@ void check_written(bool done, OIIO::ImageOutput& output, const CheckedOutput& by
                       "free some memory and run the command again, or install OpenImageIO with it");
 }
 
-void write_png(const fs::path& file, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* values) {
+void write_png(const fs::path& file, OIIO::ImageSpec spec, const OIIO::TypeDesc& type, const void* values) {
   // The values are written as they are; OpenImageIO would otherwise un-premultiply them.
   spec.attribute("oiio:UnassociatedAlpha", 1);
   spec.attribute("DateTime", kFixedDateTime);
@@ -302,6 +302,7 @@ void limit_image_threads(int threads) {
 void write_exr(const fs::path& file, const std::vector<ExrPart>& parts, const ExrAttributes& attributes) {
   if (parts.empty()) throw std::logic_error("write_exr: no part");
   std::vector<OIIO::ImageSpec> specs;
+  specs.reserve(parts.size());
   for (const ExrPart& part : parts) specs.push_back(spec_of(part, attributes));
   write_file_atomically(file, [&](const fs::path& temporary) {
     auto output = OIIO::ImageOutput::create("exr");

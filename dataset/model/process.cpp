@@ -52,6 +52,7 @@ class Child {
 
 std::vector<char*> pointers(std::vector<std::string>& strings) {
   std::vector<char*> list;
+  list.reserve(strings.size() + 1);
   for (std::string& s : strings) list.push_back(s.data());
   list.push_back(nullptr);
   return list;
@@ -62,10 +63,11 @@ std::vector<std::string> child_environment(const std::vector<std::pair<std::stri
   for (char** variable = environ; *variable; ++variable) {
     const std::string text = *variable;
     bool replaced = false;
-    for (const auto& [name, value] : added) replaced |= text.compare(0, name.size() + 1, name + "=") == 0;
+    for (const auto& [name, value] : added)
+      replaced |= text.compare(0, name.size(), name) == 0 && text[name.size()] == '=';
     if (!replaced) result.push_back(text);
   }
-  for (const auto& [name, value] : added) result.push_back(name + "=" + value);
+  for (const auto& [name, value] : added) result.emplace_back(name).append("=").append(value);
   return result;
 }
 

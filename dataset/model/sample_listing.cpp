@@ -50,7 +50,7 @@ ExrAttributes shared_attributes(const ExrAttributes& attributes) {
 std::string identity_of(ExrAttributes shared) {
   std::sort(shared.begin(), shared.end());
   std::string text;
-  for (const auto& [name, value] : shared) text += name + "=" + value + "\n";
+  for (const auto& [name, value] : shared) text.append(name).append("=").append(value).append("\n");
   return sha256_of(text);
 }
 

@@ -182,6 +182,7 @@ Atlas pack_atlas(const Person& person, int size_px) {
                    [&](uint32_t a, uint32_t b) { return charts[a].size.y > charts[b].size.y; });
   const auto pack = [&](float density) {
     std::vector<Vec2f> sizes;
+    sizes.reserve(order.size());
     for (const uint32_t c : order)
       sizes.push_back(density * charts[c].size + Vec2f{2 * kGutter_px, 2 * kGutter_px});
     return pack_boxes(sizes, static_cast<float>(size_px));

@@ -145,6 +145,7 @@ void lay_out(const WrappedSurface& surface, const FlatCharts& charts, int size_p
   std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return size[a].y > size[b].y; });
   const auto pack = [&](float density) {
     std::vector<Vec2f> boxes;
+    boxes.reserve(order.size());
     for (const size_t c : order) boxes.push_back(density * size[c] + Vec2f{2 * kGutter_px, 2 * kGutter_px});
     return pack_boxes(boxes, static_cast<float>(size_px));
   };

@@ -274,7 +274,7 @@ std::vector<PlannedSet> sets_of(const Plan& plan, const PlanPerson& person) {
       draw(*pool, person.split, lights.count, hash_of_text("light/" + key + pool->id), set.environments);
     }
     for (const PlanEnvironment* environment : set.environments) names.append(environment->name).append("/");
-    set.seed = hash_of_text("seed/" OHB_VERSION "/" + key + names);
+    set.seed = hash_of_text(std::string("seed/" OHB_VERSION "/").append(key).append(names));
     sets.push_back(std::move(set));
   }
   return sets;

@@ -191,7 +191,7 @@ std::vector<PlanPerson> read_folder(const XmlDocument& xml, pugi::xml_node node,
     people.push_back(std::move(person));
   }
   for (const auto& [id, attributes] : known)
-    if (std::none_of(people.begin(), people.end(), [&](const PlanPerson& p) { return p.id == id; }))
+    if (std::none_of(people.begin(), people.end(), [&id = id](const PlanPerson& p) { return p.id == id; }))
       throw xml.error(node,
                       "person '" + id + "' of people.json has no " + (folder / with_id(scan, id)).string(),
                       "make the people again");

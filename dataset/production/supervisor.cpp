@@ -63,6 +63,7 @@ class Supervisor {
   /// Throws what stopped it.
   void run() {
     std::vector<std::thread> slots;
+    slots.reserve(static_cast<size_t>(job_.workers));
     for (int k = 0; k < job_.workers; ++k) slots.emplace_back([this] { work(); });
     for (std::thread& slot : slots) slot.join();
     if (stop_) std::rethrow_exception(stop_);

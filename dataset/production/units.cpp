@@ -92,7 +92,7 @@ std::vector<std::string> marked_units(const Layout& layout, const std::string& i
 std::string hash_of_parts(const std::vector<std::pair<std::string, std::string>>& parts) {
   std::string text;
   for (const auto& [name, value] : parts)
-    text += name + " " + std::to_string(value.size()) + " " + value + "\n";
+    text.append(name + " ").append(std::to_string(value.size())).append(" " + value + "\n");
   return sha256_of(text);
 }
 
