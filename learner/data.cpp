@@ -28,7 +28,7 @@ std::string person_of(const Sample& sample, const fs::path& file) {
 
 uint64_t hash_of(const std::string& text) {
   uint64_t hash = 0;
-  for (const char c : text) hash = mixed(hash ^ static_cast<unsigned char>(c));
+  for (const char c : text) hash = split_mix(hash ^ static_cast<unsigned char>(c));
   return hash;
 }
 

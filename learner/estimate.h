@@ -33,10 +33,10 @@ struct EstimateReport {
   double seconds = 0;  // of the networks
 };
 
-/// Writes seven 16-bit PNG, the same maps in float as maps.exr (parts named as in a sample, displacement in
-/// cm, normals signed, albedo linear), input.png as the networks saw it, and maps.json. Where the mask is 0
-/// all maps are 0, normals (0, 0, 1).
-/// Throws InputError: photo, mask or weights as their readers say; an output that this program did not write.
+/// Writes the mask and each map as 16-bit PNG, the same maps in float as maps.exr (parts named as in a
+/// sample, displacement in cm, normals signed, albedo linear), input.png as the networks saw it, and
+/// maps.json. Where the mask is 0 all maps are 0, normals (0, 0, 1). Throws InputError: photo, mask or
+/// weights as their readers say; an output that this program did not write.
 EstimateReport estimate(const EstimateOptions& options);
 
 }  // namespace ohb::learner

@@ -1,4 +1,4 @@
-// The trained networks together: from a photograph's foreground to the six maps.
+// The trained networks together: from a photograph's foreground to its maps.
 #pragma once
 
 #include <filesystem>

@@ -83,7 +83,7 @@ std::string psnr_table(const EvaluationReport& report, double Psnr::*value, cons
     text += line_of(row.name, psnr_values(row.mean.psnr, value), columns);
     if (value == &Psnr::masked && is_estimate(row)) {
       const std::vector<std::string> without_mean(columns.begin(), columns.end() - 1);
-      const auto padded = [&](std::string lines) {  // the column of means has no interval
+      const auto padded = [&](const std::string& lines) {  // the column of means has no interval
         std::string out;
         for (size_t begin = 0, end; (end = lines.find('\n', begin)) != std::string::npos; begin = end + 1)
           out += lines.substr(begin, end - begin) + fmt::format(" {:>9} |\n", "");
@@ -106,7 +106,7 @@ std::string measures_table(const EvaluationReport& report) {
   std::string text =
       "Other measures over the foreground: angle between the normals, PSNR of the albedo after the one "
       "factor "
-      "that fits best, its structural similarity, intersection over union of the four materials\n\n" +
+      "that fits best, its structural similarity, intersection over union of the materials\n\n" +
       head_of("row", columns);
   for (const EvaluationRow& row : report.rows) {
     text += line_of(row.name, {row.mean.measures.begin(), row.mean.measures.end()}, columns);
@@ -187,7 +187,8 @@ std::map<std::string, std::vector<std::string>> groups_of(const std::vector<std:
     if (name.empty())
       name = word;
     else
-      name = group.front().find(word) < group.front().find(name) ? word + " " + name : name + " " + word;
+      name = group.front().find(word) < group.front().find(name) ? fmt::format("{} {}", word, name)
+                                                                 : fmt::format("{} {}", name, word);
   }
   std::map<std::string, std::vector<std::string>> groups;
   for (const auto& [group, name] : names) groups[name] = group;

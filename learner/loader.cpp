@@ -19,7 +19,7 @@ Draw draw_at(uint64_t seed, uint64_t position, size_t view_count) {
   std::vector<size_t> order(view_count);
   std::iota(order.begin(), order.end(), size_t{0});
   const uint64_t key = key_of({seed, kOrder, epoch});
-  for (size_t i = view_count; i > 1; --i) std::swap(order[i - 1], order[mixed(key ^ mixed(i)) % i]);
+  for (size_t i = view_count; i > 1; --i) std::swap(order[i - 1], order[split_mix(key ^ split_mix(i)) % i]);
   return {order[position % view_count], key_of({seed, kLight, position})};
 }
 

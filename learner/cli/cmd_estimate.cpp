@@ -41,7 +41,7 @@ int run_estimate(Arguments arguments, const CommonOptions& common) {
   }
   if (report.people > 1)
     std::printf("%d people found, by size; this is --person %d\n", report.people, o.matting.person);
-  std::printf("%s: six maps of %d x %d from a square of %.0f px, %s, %.2f s\n", arguments.output.c_str(),
+  std::printf("%s: maps of %d x %d from a square of %.0f px, %s, %.2f s\n", arguments.output.c_str(),
               report.size_px, report.size_px, report.crop.side_px,
               report.finetuned ? "finetuned" : "priors only", report.seconds);
   return 0;
@@ -50,7 +50,7 @@ int run_estimate(Arguments arguments, const CommonOptions& common) {
 }  // namespace
 
 void add_estimate_command(CLI::App& app, Commands& commands) {
-  CLI::App* command = app.add_subcommand("estimate", "The six maps of the person in a photograph");
+  CLI::App* command = app.add_subcommand("estimate", "The maps of the person in a photograph");
   auto arguments = std::make_shared<Arguments>();
   command->add_option("PHOTO", arguments->photo, "PNG, JPEG, TIFF, EXR or HDR")->required();
   command->add_option("--mask", arguments->mask,

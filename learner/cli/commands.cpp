@@ -2,26 +2,12 @@
 
 #include <tbb/global_control.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <thread>
 
-#include "dataset/program/option_checks.h"
 #include "learner/torch.h"
 
 namespace ohb::learner {
-
-void add_common_options(CLI::App& command, CommonOptions& options) {
-  command.add_option("--threads", options.threads, "threads to use (default: all processors)")
-      ->check(program::whole_within(0, 4096));
-  command.add_flag("--json", options.json, "print one machine-readable result on stdout");
-}
-
-void add_seed_option(CLI::App& command, CommonOptions& options, uint64_t highest_seed) {
-  command.add_option("--seed", options.seed, "seed of the random numbers")
-      ->check(program::whole_within(0, highest_seed))
-      ->capture_default_str();
-}
 
 void use_threads(int threads) {
   // libtorch would count the cores, not the processors, and take one thread on a machine of two.
@@ -41,13 +27,13 @@ void add_estimate_command(CLI::App& app, Commands& commands);
 void add_relight_command(CLI::App& app, Commands& commands);
 void add_torchscript_command(CLI::App& app, Commands& commands);
 
-void Commands::add_to(CLI::App& app) {
-  add_train_command(app, *this);
-  add_evaluate_command(app, *this);
-  add_stress_command(app, *this);
-  add_estimate_command(app, *this);
-  add_relight_command(app, *this);
-  add_torchscript_command(app, *this);
+void add_commands(CLI::App& app, Commands& commands) {
+  add_train_command(app, commands);
+  add_evaluate_command(app, commands);
+  add_stress_command(app, commands);
+  add_estimate_command(app, commands);
+  add_relight_command(app, commands);
+  add_torchscript_command(app, commands);
 }
 
 }  // namespace ohb::learner

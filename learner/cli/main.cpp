@@ -35,7 +35,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", version_text);
   Commands commands;
-  commands.add_to(app);
+  add_commands(app, commands);
   app.footer(program::help_footer({"humanmaterial train geometry --data dataset -o runs/geometry"},
                                   "Each command has its own help: humanmaterial train --help"));
   if (const std::optional<int> code = program::parse_command_line(app, argc, argv)) {
