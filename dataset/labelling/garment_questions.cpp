@@ -76,9 +76,10 @@ void follow_look_alikes(const Garments& garments, const std::vector<uint8_t>& to
   }
 }
 
-/// The area that an answer may be expected to mend. Leather is the rarer guess, and rests on colour.
+/// The area that an answer may be expected to mend. Leather is the rarer guess, rests on colour alone, and
+/// how sure it is moves with the people who taught it: its claim is not believed here.
 double worth_cm2(const GarmentQuestion& question) {
-  constexpr float kSurestLeather = 0.9f;
+  constexpr float kSurestLeather = 0.75f;
   const float sure =
       question.now == kLeather ? std::min(question.probability, kSurestLeather) : question.probability;
   return (1 - sure) * question.area_cm2;

@@ -43,6 +43,25 @@ const GarmentQuestion* question_at(const Labelling& labels, const Labeller& labe
   return nullptr;
 }
 
+/// A garment of 4.2 % of the area.
+std::vector<GarmentQuestion> questions_about_small(MaterialClass now, float probability) {
+  Garments garments;
+  garments.all_cm2 = 10000;
+  garments.garments = {{"socks", 420}};
+  ClassValues classes{};
+  classes[now] = probability;
+  classes[now == kLeather ? kFabric : kLeather] = 1 - probability;
+  return open_questions(garments, {classes});
+}
+
+TEST(LabelQuestions, ASmallGarmentIsAskedAboutIfColourAloneMakesItLeather) {
+  EXPECT_EQ(questions_about_small(kLeather, 0.85f).size(), 1u);
+  EXPECT_EQ(questions_about_small(kLeather, 0.95f).size(), 1u);
+  EXPECT_EQ(questions_about_small(kFabric, 0.85f).size(), 0u) << "an answer would mend .6 % of the area";
+  EXPECT_EQ(questions_about_small(kFabric, 0.75f).size(), 1u) << "1.05 %";
+  EXPECT_EQ(questions_about_small(kLeather, 0.999f).size(), 0u) << "somebody said so";
+}
+
 /// The kind that came out 37 % wrong and .95 sure: nothing but the user can know.
 TEST(LabelQuestions, LeatherTrousersOfAnyColourAreAskedAboutAndOneAnswerTellsThem) {
   const Vec3f colours[] = {
