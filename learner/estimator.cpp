@@ -16,6 +16,7 @@ Estimator::Estimator(const std::vector<std::filesystem::path>& files_or_runs, Pr
     }
     if (loaded.network.task == Task::kGeometry) main_ = headers_.size();
     headers_.push_back(loaded.header);
+    files_.push_back(loaded.file);
   }
   priors_.emplace(priors, finetune_ ? PriorsNeeded::kAll : needed);
 }

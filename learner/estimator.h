@@ -23,6 +23,8 @@ class Estimator {
   bool is_whole() const { return priors_->is_whole(); }
   bool has_finetune() const { return finetune_.has_value(); }
   std::vector<Network> networks() const;
+  /// What was read, in the order of the files or runs.
+  const std::vector<std::filesystem::path>& files() const { return files_; }
   /// The priors' estimate of input (B, 4, H, W), see network_input. Networks see it at the size that they
   /// were trained at, or its own if that is smaller: larger, they err more. Maps are of the input's size:
   /// output_at_size_of.
@@ -42,6 +44,7 @@ class Estimator {
   std::optional<PriorSet> priors_;
   std::optional<Network> finetune_;
   std::vector<nlohmann::json> headers_;
+  std::vector<std::filesystem::path> files_;
   size_t main_ = 0;
 };
 

@@ -9,7 +9,6 @@
 #include <stdexcept>
 
 #include "dataset/model/atomic_file.h"
-#include "dataset/model/atomic_folder.h"
 #include "dataset/model/blender.h"
 #include "dataset/model/environment.h"
 #include "dataset/model/error.h"
@@ -18,6 +17,7 @@
 #include "dataset/model/json_text.h"
 #include "dataset/model/progress.h"
 #include "dataset/model/temporary.h"
+#include "learner/output_file.h"
 
 namespace ohb::learner {
 namespace fs = std::filesystem;
@@ -42,19 +42,6 @@ std::vector<fs::path> files_of_maps(const fs::path& maps) {
   return files;
 }
 
-/// The picture must not take the place of what it is made from, or of a file of some other output.
-void check_output(const RelightOptions& options, const fs::path& output) {
-  std::vector<fs::path> inputs = files_of_maps(options.maps);
-  inputs.push_back(options.environment);
-  std::error_code ignored;
-  for (const fs::path& input : inputs)
-    if (fs::equivalent(input, output, ignored))
-      throw InputError(output.string(), "-o", "is read by this command",
-                       "choose another name for the picture");
-  check_not_owned(output);
-}
-
-/// Blender says nothing of a disk that is full while it writes.
 void check_picture(const fs::path& picture, const fs::path& output, const nlohmann::json& report) {
   std::string fault;
   try {
@@ -158,7 +145,9 @@ fs::path linear_environment(const fs::path& environment, const fs::path& folder)
 nlohmann::json relight(const RelightOptions& options) {
   const Blender blender = blender_of(options.blender);
   const fs::path output = followed(options.output);
-  check_output(options, output);
+  std::vector<fs::path> inputs = files_of_maps(options.maps);
+  inputs.push_back(options.environment);
+  check_output_file(output, inputs);
   sweep_leftovers(folder_of(output));
   // Beside the picture's place, so that it can be renamed into it.
   const LockedTemporary scratch(output, LockedTemporary::Kind::kFolder);

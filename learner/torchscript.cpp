@@ -9,6 +9,7 @@
 #include "dataset/model/atomic_file.h"
 #include "dataset/model/json_text.h"
 #include "learner/data.h"
+#include "learner/output_file.h"
 
 namespace ohb::learner {
 namespace {
@@ -49,6 +50,7 @@ nlohmann::json description_of(const ScriptReport& report) {
 
 ScriptReport write_torchscript(const Estimator& estimator, const std::filesystem::path& file) {
   namespace jit = torch::jit;
+  check_output_file(file, estimator.files());
   const torch::NoGradGuard no_gradients;
   ScriptReport report;
   report.size_px = estimator.header().at("size_px");

@@ -18,7 +18,7 @@ struct ScriptReport {
 /// returns a dictionary by the names of kMaps, in the units of MaterialMaps, and within the mask only does it
 /// mean something. The file has what these are beside it, as JSON ("humanmaterial.json" of torch.jit.load's
 /// _extra_files). The networks are recorded as they run, so that no second writing of them can differ.
-/// Throws as write_file_atomically.
+/// Throws as check_output_file (the estimator's files are the inputs) and write_file_atomically.
 ScriptReport write_torchscript(const Estimator& estimator, const std::filesystem::path& file);
 
 }  // namespace ohb::learner

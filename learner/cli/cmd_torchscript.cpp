@@ -29,7 +29,7 @@ int run_torchscript(const Arguments& arguments, const CommonOptions& common) {
     return 0;
   }
   const auto size_px = static_cast<long long>(report.size_px);
-  std::printf("%s: pictures of %lld x %lld to six maps, %.1f million parameters, %s\n",
+  std::printf("%s: pictures of %lld x %lld to their maps, %.1f million parameters, %s\n",
               arguments.output.c_str(), size_px, size_px, static_cast<double>(report.parameters) / 1e6,
               estimator.has_finetune() ? "finetuned" : "priors only");
   return 0;

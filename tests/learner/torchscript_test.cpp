@@ -105,5 +105,20 @@ TEST(TorchScriptFile, ComesFromTheProgramOrNotAtAll) {
   EXPECT_FALSE(std::filesystem::exists(folder / "other.pt"));
 }
 
+TEST(TorchScriptFile, NeverTakesThePlaceOfWhatIsRead) {
+  TemporaryFolder folder;
+  const std::vector<std::filesystem::path> weights = weights_in(folder, false);
+  std::filesystem::create_symlink(weights[2], folder / "link.pt");
+  for (const std::filesystem::path& output : {weights[1], folder / "link.pt"}) {
+    const std::string before = read_file(output);
+    std::vector<std::string> words = {"torchscript", "-o", output, "--weights"};
+    words.insert(words.end(), weights.begin(), weights.end());
+    const Result result = run(folder, words);
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.error.find("is read by this command"), std::string::npos) << result.error;
+    EXPECT_EQ(read_file(output), before);
+  }
+}
+
 }  // namespace
 }  // namespace ohb

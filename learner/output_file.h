@@ -1,0 +1,13 @@
+// A command's output that is one file.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace ohb::learner {
+
+/// Throws InputError where `output` is one of the `inputs` (links are followed; what does not exist counts
+/// for nothing) or belongs to another output's folder, as check_not_owned says.
+void check_output_file(const std::filesystem::path& output, const std::vector<std::filesystem::path>& inputs);
+
+}  // namespace ohb::learner
