@@ -22,7 +22,7 @@ struct Mean {
     area_cm2 += area;
     look += area * features.appearance[f];
     print += area * std::log(1 + std::hypot(spread.y, spread.z));
-    behind_cm += area * (frame.head_z_cm - at.z);
+    behind_cm -= area * frame.before_axis_cm(at);
     above += area * (at.y > frame.eyes_cm);
   }
   void finish() {

@@ -16,6 +16,9 @@ namespace {
 
 /// Standard deviations of L* and of a*, b* within one person's skin and hair, under shading.
 constexpr float kSkinLightness = 15, kSkinHue = 5.5f, kHairLightness = 14, kHairHue = 7;
+/// Of a turned head: by how many of them a face differs from the crown, the share of the front that does so
+/// at most, and of the place where the face is found at least.
+constexpr float kNotCrown = 1.6f, kFewBare = 0.5f, kMostlyBare = 0.9f, kMostTurned_degrees = 105;
 
 /// 0 below `low`, 1 above `high`, smooth between.
 float ramp(float low, float high, float x) {
@@ -74,19 +77,54 @@ bool is_hair_locus(Vec3f lab) {
   return chroma(lab) < 9 || (hue > 10 && hue < 95);
 }
 
+bool is_in_head(const BodyFrame& body, Vec3f at) {
+  return at.y > body.chin_cm - 0.1f * body.head_cm &&
+         std::hypot(at.x - body.head_x_cm, at.z - body.head_z_cm) < 0.8f * body.head_cm;
+}
+bool is_crown(const BodyFrame& body, Vec3f at) {
+  return at.y > body.eyes_cm + 0.35f * (body.top_cm - body.eyes_cm) && is_in_head(body, at);
+}
+
+/// How much of what a frame takes for the front of the face has a colour of skin, and not that of the crown.
+double bare_share(const FaceFeatures& features, const BodyFrame& body, const ColourSample& crown) {
+  double bare_cm2 = 0, all_cm2 = 1e-6;
+  for (uint32_t f = 0; f < features.size(); ++f) {
+    if (!is_face_front(features.graph, body, f)) continue;
+    const Vec3f lab = features.lab[f];
+    all_cm2 += features.graph.area_cm2[f];
+    if (is_skin_locus(lab) && distance(lab, crown, kHairLightness, kHairHue) > kNotCrown)
+      bare_cm2 += features.graph.area_cm2[f];
+  }
+  return bare_cm2 / all_cm2;
+}
+
+/// Turns the front of a head that looks aside. Hair covers the crown and the back of the head, and may have a
+/// colour that skin has too: a front that is mostly of the crown's colour is no face if another is nearly
+/// free of it. A hat or a bald head says nothing.
+void find_front(const FaceFeatures& features, BodyFrame& body) {
+  const ColourSample crown =
+      sample_colour(features, [&](uint32_t f) { return is_crown(body, features.graph.centre_cm[f]); });
+  if (bare_share(features, body, crown) > kFewBare) return;
+  BodyFrame turned = body;
+  double most = kMostlyBare;
+  for (float degrees = -kMostTurned_degrees; degrees <= kMostTurned_degrees; degrees += 15) {
+    turned.front = {std::sin(degrees / 57.29578f), 0, std::cos(degrees / 57.29578f)};
+    if (const double share = bare_share(features, turned, crown); share > most) {
+      most = share;
+      body.front = turned.front;
+    }
+  }
+}
+
 class CueFinder {
  public:
   explicit CueFinder(const FaceFeatures& features)
-      : features_(features), graph_(features.graph), body_(body_frame(features.graph)) {}
+      : features_(features), graph_(features.graph), body_(body_frame(features)) {}
 
   StartCues run();
 
  private:
-  bool is_in_head(uint32_t f) const {
-    const Vec3f c = graph_.centre_cm[f];
-    return c.y > body_.chin_cm - 0.1f * body_.head_cm &&
-           std::hypot(c.x - body_.head_x_cm, c.z - body_.head_z_cm) < 0.8f * body_.head_cm;
-  }
+  bool is_in_head(uint32_t f) const { return ohb::labelling::is_in_head(body_, graph_.centre_cm[f]); }
   /// A braid on a dark jacket looks much like it: only what is nearer to the jacket's colour ends it.
   bool is_torso(Vec3f lab) const {
     return distance(lab, torso_, 10, 5) < 2 &&
@@ -110,12 +148,11 @@ void CueFinder::sample_parts() {
     return is_face_front(graph_, body_, f) && is_skin_locus(features_.lab[f]);
   });
   measure_skin();
-  const float crown = body_.eyes_cm + 0.35f * (body_.top_cm - body_.eyes_cm);
   ColourSample bare = sample_colour(features_, [&](uint32_t f) {
-    return graph_.centre_cm[f].y > crown && is_in_head(f) && skin_likeness_[f] > 0.5f;
+    return is_crown(body_, graph_.centre_cm[f]) && skin_likeness_[f] > 0.5f;
   });
   hair_ = sample_colour(features_, [&](uint32_t f) {
-    return graph_.centre_cm[f].y > crown && is_in_head(f) && skin_likeness_[f] < 0.5f;
+    return is_crown(body_, graph_.centre_cm[f]) && skin_likeness_[f] < 0.5f;
   });
   if (hair_.area_cm2 < 0.3f * bare.area_cm2 || !is_hair_locus(hair_.lab)) hair_.area_cm2 = 0;
   if (!body_.is_whole) return;
@@ -174,9 +211,9 @@ Cues CueFinder::cues_of(uint32_t f) const {
   const float hair =
       (hair_.area_cm2 > 0 ? std::min(kFar, distance(lab, hair_, kHairLightness, kHairHue)) : kFar) / kFar;
   const float head = is_in_head(f);
-  const bool is_front = c.z > body_.head_z_cm && graph_.normal[f].z > 0 && c.y > body_.chin_cm &&
-                        c.y < body_.eyes_cm + 0.1f * body_.head_cm &&
-                        std::abs(c.x - body_.head_x_cm) < 0.33f * body_.head_cm;
+  const bool is_front = body_.before_axis_cm(c) > 0 && dot(graph_.normal[f], body_.front) > 0 &&
+                        c.y > body_.chin_cm && c.y < body_.eyes_cm + 0.1f * body_.head_cm &&
+                        body_.beside_axis_cm(c) < 0.33f * body_.head_cm;
   const float above_eyes = head * ramp(-0.1f, 0.2f, (c.y - body_.eyes_cm) / body_.head_cm);
   const float foot = body_.is_whole ? 1 - ramp(0.035f, 0.06f, body_.share_of(c.y)) : 0;
   return {1,
@@ -208,7 +245,8 @@ StartCues CueFinder::run() {
 
 }  // namespace
 
-BodyFrame body_frame(const FaceGraph& graph) {
+BodyFrame body_frame(const FaceFeatures& features) {
+  const FaceGraph& graph = features.graph;
   BodyFrame frame;
   Vec3f low{1e30f, 1e30f, 1e30f}, high{-1e30f, -1e30f, -1e30f};
   for (const Vec3f& c : graph.centre_cm)
@@ -231,14 +269,14 @@ BodyFrame body_frame(const FaceGraph& graph) {
     }
   frame.head_x_cm = weighted_quantile(x);
   frame.head_z_cm = weighted_quantile(z);
+  find_front(features, frame);
   return frame;
 }
 
 bool is_face_front(const FaceGraph& graph, const BodyFrame& frame, uint32_t face) {
   const Vec3f c = graph.centre_cm[face];
-  return c.y > frame.chin_cm && c.y < frame.eyes_cm &&
-         std::abs(c.x - frame.head_x_cm) < 0.25f * frame.head_cm && c.z > frame.head_z_cm &&
-         graph.normal[face].z > 0.3f;
+  return c.y > frame.chin_cm && c.y < frame.eyes_cm && frame.beside_axis_cm(c) < 0.25f * frame.head_cm &&
+         frame.before_axis_cm(c) > 0 && dot(graph.normal[face], frame.front) > 0.3f;
 }
 
 StartCues start_cues(const FaceFeatures& features) {

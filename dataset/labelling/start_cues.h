@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "dataset/labelling/face_features.h"
@@ -16,11 +17,19 @@ struct BodyFrame {
   float chin_cm = 0, eyes_cm = 0;      // heights
   float head_x_cm = 0, head_z_cm = 0;  // the head's vertical axis
   float head_cm = 23;                  // from chin to top
+  Vec3f front = {0, 0, 1};             // where the face looks, horizontal, of length 1
 
   /// Height above the ground as a share of the person's.
   float share_of(float y_cm) const { return (y_cm - ground_cm) / (top_cm - ground_cm); }
+  /// How far a point lies before the head's axis, and how far beside it.
+  float before_axis_cm(Vec3f at) const { return (at.x - head_x_cm) * front.x + (at.z - head_z_cm) * front.z; }
+  float beside_axis_cm(Vec3f at) const {
+    return std::abs((at.x - head_x_cm) * front.z - (at.z - head_z_cm) * front.x);
+  }
 };
-BodyFrame body_frame(const FaceGraph& graph);
+/// The front is +Z unless what has the colour of skin, and not that of the crown, looks elsewhere in the
+/// mean.
+BodyFrame body_frame(const FaceFeatures& features);
 /// Whether a mesh's face lies where the front of the person's face is, between chin and eyes.
 bool is_face_front(const FaceGraph& graph, const BodyFrame& frame, uint32_t face);
 

@@ -82,6 +82,26 @@ TEST(LabelHead, HairOfNearlyTheColourOfSkinIsRightOrAskedAbout) {
   EXPECT_GT(labels.after, 0.98) << " before " << labels.before << labels.asks_of_head;
 }
 
+/// The front of a head that looks sideways is hair. Where that had a colour that skin has, too, it was taken
+/// for the skin, and face and arms for cloth.
+TEST(LabelHead, TheFaceOfATurnedHeadIsFound) {
+  for (const double turned : {-1.6, -1.0, 0.0, 1.2, 1.8}) {
+    TubePerson person;
+    make_tube_person(48, 120, person);
+    const auto head_class = [&](double angle, double y_cm) {
+      return tube_class(std::remainder(angle - turned, 6.28318530717959), y_cm);
+    };
+    const auto above = [](double y_cm) { return y_cm > 150; };
+    paint(
+        person, [&](double angle, double y_cm) { return above(y_cm) && head_class(angle, y_cm) == kHair; },
+        {0.40f, 0.28f, 0.19f}, kHair);
+    paint(
+        person, [&](double angle, double y_cm) { return above(y_cm) && head_class(angle, y_cm) == kSkin; },
+        tube_srgb(kSkin, 155), kSkin);
+    EXPECT_GT(answered(person).before, 0.97) << turned;
+  }
+}
+
 TEST(LabelHead, OrdinaryHairAndAFaceAreNotAskedAbout) {
   TubePerson person;
   make_tube_person(48, 120, person);
