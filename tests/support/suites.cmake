@@ -1,0 +1,17 @@
+# Read by ctest when it starts: a test for each suite of `program`, without the tests that the pattern `slow` names.
+if(EXISTS ${program})
+  execute_process(COMMAND ${program} --gtest_list_tests "--gtest_filter=-${slow}" OUTPUT_VARIABLE list RESULT_VARIABLE code)
+  if(NOT code EQUAL 0)
+    message(FATAL_ERROR "${program} --gtest_list_tests ended with ${code}")
+  endif()
+  # A suite stands in a line of its own, with a dot at its end; its tests follow, indented.
+  string(REGEX MATCHALL "(^|\n)[A-Za-z0-9_/]+\\." found "${list}")
+  foreach(suite IN LISTS found)
+    string(REGEX REPLACE "^\n|\\.$" "" suite "${suite}")
+    add_test(${suite} ${program} "--gtest_filter=${suite}.*-${slow}")
+    set_tests_properties(${suite} PROPERTIES ENVIRONMENT ${environment})
+  endforeach()
+else()
+  get_filename_component(name ${program} NAME)
+  add_test(${name}_NOT_BUILT ${name}_NOT_BUILT)
+endif()
