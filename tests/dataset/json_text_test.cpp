@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <regex>
 
 #include "dataset/model/atomic_file.h"
@@ -44,6 +45,19 @@ TEST(JsonText, RefusesInWords) {
   std::string objects;
   for (int i = 0; i < 100000; ++i) objects += "{\"a\":";
   refuse(objects, {"deeper than 64"});
+}
+
+/// Of 200,000 objects side by side each is met once: with a look at all before it this takes minutes.
+TEST(JsonText, TimeGrowsWithTheTextAlone) {
+  std::string list = "[{}", object = "{\"0\":{}";
+  for (int i = 1; i < 200000; ++i) {
+    list += ",{}";
+    object += ",\"" + std::to_string(i) + "\":{}";
+  }
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(parse_json(list + "]", "f").size(), 200000u);
+  EXPECT_EQ(parse_json(object + "}", "f").size(), 200000u);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
 }
 
 TEST(JsonText, WritesWhateverBytesANameHas) {
