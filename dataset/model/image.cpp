@@ -187,8 +187,9 @@ Image read_part(const OpenImage& open, int subimage) {
   const OIIO::ImageSpec spec = open.input->spec();
   const PixelWindow window = open.window();
   Image image(spec.width, spec.height, spec.nchannels);
-  if (!read_subimage(*open.input, subimage, spec.nchannels, image.values.data()))
-    throw_unreadable(open.file, oiio_error(open.input.get()));
+  const bool is_read = read_subimage(*open.input, subimage, spec.nchannels, image.values.data());
+  const std::string words = oiio_error(open.input.get());
+  if (!is_read || speaks_of_damage(words)) throw_unreadable(open.file, words);
   return upright(placed(std::move(image), window), open.hdr_orientation);
 }
 

@@ -2,6 +2,7 @@
 
 #include <zlib.h>
 
+#include <algorithm>
 #include <cstdint>
 
 namespace ohb {
@@ -61,6 +62,16 @@ std::string jpeg_damage(std::string_view bytes) {
       ++at;
   }
   return at_byte("truncated: it ends", bytes.size());
+}
+
+bool speaks_of_damage(std::string_view words) {
+  while (!words.empty()) {
+    const std::string_view line = words.substr(0, words.find('\n'));
+    const auto says = [&](std::string_view part) { return line.find(part) != std::string_view::npos; };
+    if (says("TIFFRead") || (says("Corrupt JPEG data") && !says("extraneous bytes"))) return true;
+    words.remove_prefix(std::min(words.size(), line.size() + 1));
+  }
+  return false;
 }
 
 }  // namespace ohb

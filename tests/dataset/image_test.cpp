@@ -66,6 +66,53 @@ TEST(Image, FullDiskIsNoticedWhereverInTheFileItStrikes) {
   }
 }
 
+/// 64 x 64 grey pixels in one strip, behind the directory, where OpenImageIO's own writer has them before it.
+std::string small_tiff() {
+  constexpr uint32_t kSide = 64, kFields = 9, kStrip = 8 + 2 + 12 * kFields + 4;
+  const std::pair<uint16_t, uint32_t> fields[kFields] = {{256, kSide}, {257, kSide}, {258, 8},
+                                                         {259, 1},     {262, 1},     {273, kStrip},
+                                                         {277, 1},     {278, kSide}, {279, kSide * kSide}};
+  std::string bytes("II*\0\10\0\0\0", 8);
+  const auto put = [&](auto value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof value); };
+  put(uint16_t{kFields});
+  for (const auto& [tag, value] : fields) {
+    put(tag);
+    put(uint16_t{4});  // LONG
+    put(uint32_t{1});
+    put(value);
+  }
+  put(uint32_t{0});
+  return bytes + std::string(kSide * kSide, '\x7f');
+}
+
+void write_jpeg(const std::filesystem::path& file, const Image& image) {
+  auto output = OIIO::ImageOutput::create(file.string());
+  ASSERT_TRUE(output->open(file.string(), OIIO::ImageSpec(image.width_px, image.height_px, image.channels,
+                                                          OIIO::TypeDesc::UINT8)));
+  ASSERT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, image.values.data()));
+  output->close();
+}
+
+/// A decoder that fills what is missing says so in words, not by failing.
+TEST(Image, IsNeverMadeUpFromHalfAFile) {
+  const TemporaryFolder folder;
+  Image image(200, 160, 3);
+  for (size_t i = 0; i < image.values.size(); ++i)
+    image.values[i] = static_cast<float>(i * 7919 % 1000) / 1000;
+  write_jpeg(folder / "whole.jpg", image);
+  const std::string jpeg = read_file(folder / "whole.jpg"), end_of_image = "\xff\xd9";
+  write_file_atomically(folder / "half.jpg", jpeg.substr(0, jpeg.size() / 2) + end_of_image);
+  write_file_atomically(folder / "stray.jpg",
+                        jpeg.substr(0, jpeg.size() - 2) + std::string(5, '\0') + end_of_image);
+  const std::string tiff = small_tiff();
+  write_file_atomically(folder / "whole.tif", tiff);
+  write_file_atomically(folder / "half.tif", tiff.substr(0, tiff.size() - 32 * 32));
+  for (const char* whole : {"whole.jpg", "stray.jpg", "whole.tif"})
+    EXPECT_NO_THROW(read_image(folder / whole)) << whole;
+  for (const char* damaged : {"half.jpg", "half.tif"})
+    expect_message(input_error_of([&] { read_image(folder / damaged); }), {damaged, "cannot be read"});
+}
+
 /// The fast reader gives what OpenImageIO gives, for halves and floats, any number of rows and channels.
 TEST(Image, AnExrsFirstPartIsReadAsItIs) {
   const TemporaryFolder folder;
