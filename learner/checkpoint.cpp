@@ -1,6 +1,7 @@
 #include "learner/checkpoint.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "dataset/model/error.h"
@@ -48,12 +49,22 @@ json header_of(const TensorFile& content, const fs::path& file) {
   if (number("format") != kCheckpointFormat)
     throw refuse("is of another format than 1: use the version that wrote it");
   if (!header.contains("task") || !header["task"].is_string()) throw refuse("has no task");
-  task_from_name(header["task"]);
+  if (std::none_of(std::begin(kTasks), std::end(kTasks),
+                   [&](Task task) { return header["task"] == name_of(task); }))
+    throw refuse("is of " + json_text(header["task"]) + ", which is no model of this version");
   if (const double width = number("width"); !(width >= kMinWidth && width <= kMaxWidth))
     throw refuse("has a width outside 0.01 to 4");
-  if (const double size = number("size_px"); !(size >= kResolutionStep && size <= kMaxSize_px))
-    throw refuse("has a size outside 16 to 8192 px");
-  if (number("step") < 0) throw refuse("has a step below 0");
+  if (const double size = number("size_px");
+      !(size >= kResolutionStep && size <= kMaxSize_px) || std::fmod(size, kResolutionStep) != 0)
+    throw refuse("has a size that is no multiple of 16 from 16 to 8192 px");
+  number("step");
+  if (!header["step"].is_number_unsigned()) throw refuse("has a step that is no whole number from 0 on");
+  for (const char* people : {"trained_on", "held_out"})
+    if (const auto names = header.find(people);
+        names != header.end() &&
+        !(names->is_array() &&
+          std::all_of(names->begin(), names->end(), [](const json& name) { return name.is_string(); })))
+      throw refuse(std::string("has a '") + people + "' that is no list of names");
   return header;
 }
 

@@ -98,11 +98,15 @@ TEST(Checkpoint, RefusesWhatDoesNotFitInWords) {
                                                                {"width", 1e9, "width"},
                                                                {"width", "wide", "width"},
                                                                {"size_px", -16, "size"},
+                                                               {"size_px", 24, "size"},
+                                                               {"trained_on", nullptr, "trained_on"},
+                                                               {"held_out", {"ada", 2}, "held_out"},
+                                                               {"step", 1e300, "step"},
                                                                {"step", -1, "step"}}) {
     json header = small_header(3);
     header[key] = value;
     write_tensors(folder / "x.safetensors", {{}, {{"humanmaterial", header.dump()}}});
-    expect_message(input_error_of([&] { load_network(folder / "x.safetensors"); }), {words});
+    expect_message(input_error_of([&] { load_network(folder / "x.safetensors"); }), {"x.safetensors", words});
   }
   write_tensors(folder / "x.safetensors", {{}, {}});
   expect_message(input_error_of([&] { load_network(folder / "x.safetensors"); }), {"not of a humanmaterial"});
