@@ -66,24 +66,38 @@ std::string words_of(const CLI::App& app, const CLI::ParseError& error) {
   return error.what();
 }
 
+/// The name of an option or argument that was given nothing, as an unset variable of a shell gives it, or "".
+std::string given_nothing(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options()) {
+    const std::vector<std::string>& values = option->results();
+    if (std::find(values.begin(), values.end(), "") != values.end()) return option->get_name();
+  }
+  return "";
+}
+
+int refuse(const CLI::App& app, const std::string& words) {
+  std::string path = app.get_name();
+  for (const CLI::App* command = &app; !command->get_subcommands().empty();) {
+    command = command->get_subcommands().front();
+    path += " " + command->get_name();
+  }
+  std::fprintf(stderr, "%s: %s%s %s --help\n", app.get_name().c_str(), words.c_str(),
+               words.back() == '?' ? " See" : "; see", path.c_str());
+  return kExitBadInput;
+}
+
 }  // namespace
 
 std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
   try {
     app.parse(argc, argv);
+    const std::string empty = given_nothing(deepest(app));
+    if (!empty.empty()) return refuse(app, empty + " is empty: give it a value, or leave it out");
     return std::nullopt;
   } catch (const CLI::Success& information) {
     return app.exit(information);
   } catch (const CLI::ParseError& error) {
-    std::string path = app.get_name();
-    for (const CLI::App* command = &app; !command->get_subcommands().empty();) {
-      command = command->get_subcommands().front();
-      path += " " + command->get_name();
-    }
-    const std::string words = words_of(app, error);
-    std::fprintf(stderr, "%s: %s%s %s --help\n", app.get_name().c_str(), words.c_str(),
-                 words.back() == '?' ? " See" : "; see", path.c_str());
-    return kExitBadInput;
+    return refuse(app, words_of(app, error));
   }
 }
 

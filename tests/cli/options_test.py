@@ -113,10 +113,24 @@ class Options(unittest.TestCase):
         self.assertEqual(result.returncode, BAD_INPUT)
         self.assertNotIn("did you mean", result.stderr)
 
+    def test_an_empty_word_is_not_taken_for_none(self):
+        """As `--faces "$FACES"` gives, where FACES is not set."""
+        cases = [("openhumanbrdf", "label scan.obj --faces @ -o out", "--faces"), ("openhumanbrdf", "inspect @", "SCAN"),
+                 ("openhumanbrdf", "render model --environment @ -o out", "--environment")]
+        if Programs.learner:
+            cases += [("humanmaterial", "estimate photo.png --mask @ --weights w -o out", "--mask"),
+                      ("humanmaterial", "evaluate w --data d -o @", "--output"),
+                      ("humanmaterial", "train rss --data d --from @ -o out", "--from")]
+        for program, line, name in cases:
+            result = run([program, *(word.replace("@", "") for word in line.split())])
+            self.assertEqual(result.returncode, BAD_INPUT, line)
+            self.assertIn(name + " is empty", result.stderr, line)
+            self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+
     def test_lists_of_views_and_points(self):
         for option, value, *words in (("--views", "100:0,0", "view 0 twice"), ("--views", "4:4", "0 <= i < N"),
                                       ("--views", "99999999999", "is not a list"), ("--views", "nan", "is not a list"),
-                                      ("--views", "4:", "is not a list"), ("--views", "", "is not a list"),
+                                      ("--views", "4:", "is not a list"), ("--views", "", "is empty"),
                                       ("--point", "0,0,0,nan", "point light"), ("--point", "1e999,0,0,1", "point light"),
                                       ("--point", "0,0,0,-1", "point light"), ("--point", "0,0,0,inf", "point light")):
             result = run(["openhumanbrdf", "render", "model", option, value, "-o", "/nowhere/x"])
