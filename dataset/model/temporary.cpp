@@ -45,8 +45,11 @@ int open_new(const fs::path& path, LockedTemporary::Kind kind) {
     return ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (::mkdir(path.c_str(), 0777) != 0) return -1;
   const int handle = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (handle < 0 && errno == ENOENT) errno = EEXIST;  // swept before it was locked: another name
-  return handle;
+  if (handle >= 0) return handle;
+  const int error = errno;
+  ::rmdir(path.c_str());                     // a umask may take its owner's rights away
+  errno = error == ENOENT ? EEXIST : error;  // swept before it was locked: another name
+  return -1;
 }
 
 /// A lock on what is at `path`, unless somebody else holds it or there is none to be had. -1: none.

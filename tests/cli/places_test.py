@@ -143,6 +143,14 @@ class Places(unittest.TestCase):
                 for i in self.inputs_of(words)[:1]:
                     self.expect_words(self.without_rights([*words[:i], bad, *words[i + 1:]]), "%s of %s" % (name, bad.name))
 
+    def test_a_umask_that_takes_the_owners_rights(self):
+        place = self.place()
+        os.chmod(self.fixture.folder, 0o755)
+        os.chmod(place, 0o777)
+        words = self.commands(place / "out")["label by names"]
+        self.expect_words(self.without_rights(words, preexec_fn=lambda: os.umask(0o777)), "label")
+        self.assertEqual(os.listdir(place), [])
+
     def test_a_working_folder_that_is_gone(self):
         for name, words in self.commands(Path("out")).items():
             gone = self.place()
