@@ -110,8 +110,21 @@ nlohmann::json maps_json(const EstimateOptions& options, const EstimateReport& r
             {"finetuned", report.finetuned}}}};
 }
 
+/// Weights may be finite, and what they make of a photo not.
+void check_finite(const MaterialMaps& maps, const fs::path& photo) {
+  for (const LearnedMap& map : kMaps)
+    if (!torch::isfinite(maps.*map.tensor).all().item<bool>())
+      throw InputError(photo.string(), std::string("map '") + map.name + "'",
+                       "comes out as NaN or infinite: the weights are of no use", "give other --weights");
+}
+
 /// The mask or alpha that was given, or else what matting finds.
 Image mask_for(const Photo& photo, const EstimateOptions& options, int& people) {
+  if (options.matting.person > 1 && (options.mask || has_cutout(photo)))
+    throw InputError(options.photo.string(), "--person " + std::to_string(options.matting.person),
+                     std::string("is of people that are looked for, and ") +
+                         (options.mask ? "--mask" : "its alpha") + " says who it is",
+                     "leave out one of the two");
   if (options.mask || has_cutout(photo)) return mask_of(photo, options.photo, options.mask);
   Matte matte = find_person(photo, options.photo, options.matting);
   people = matte.people;
@@ -151,6 +164,7 @@ EstimateReport estimate(const EstimateOptions& options) {
   AtomicFolder folder(options.output, "maps", inputs);
   const auto start = std::chrono::steady_clock::now();
   const MaterialMaps maps = on_black(estimator.estimate(foreground.input), foreground.mask);
+  check_finite(maps, options.photo);
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const PictureFrame frame = frame_of(mask, report.crop, options.person_height_cm);
   write_pngs(folder.path(), maps, foreground);

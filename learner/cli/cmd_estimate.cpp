@@ -53,10 +53,13 @@ void add_estimate_command(CLI::App& app, Commands& commands) {
   CLI::App* command = app.add_subcommand("estimate", "The maps of the person in a photograph");
   auto arguments = std::make_shared<Arguments>();
   command->add_option("PHOTO", arguments->photo, "PNG, JPEG, TIFF, EXR or HDR")->required();
-  command->add_option("--mask", arguments->mask,
-                      "picture that is white on the person (default: the photo's alpha, or --matting)");
-  command->add_option("--matting", arguments->matting,
-                      "ONNX network that finds the person where there is no mask (default: GrabCut)");
+  CLI::Option* mask =
+      command->add_option("--mask", arguments->mask,
+                          "picture that is white on the person (default: the photo's alpha, or --matting)");
+  command
+      ->add_option("--matting", arguments->matting,
+                   "ONNX network that finds the person where there is no mask (default: GrabCut)")
+      ->excludes(mask);
   command->add_option("--person", arguments->estimate.matting.person, "which of the people found, by size")
       ->check(program::whole_within(1, 1000))
       ->capture_default_str();

@@ -8,6 +8,7 @@
 
 #include "dataset/model/atomic_file.h"
 #include "learner/estimate.h"
+#include "learner/safetensors.h"
 #include "test_maps.h"
 #include "test_samples.h"
 #include "test_weights.h"
@@ -207,6 +208,15 @@ TEST(Estimate, LeavesNothingBehindWhenItRefuses) {
   expect_message(input_error_of([&] { estimate(o); }), {"no albedo prior"});
   o.weights = {folder / "photo.png"};
   expect_message(input_error_of([&] { estimate(o); }), {"photo.png"});
+  o.weights = weights_in(folder, false);
+  o.matting.person = 2;
+  expect_message(input_error_of([&] { estimate(o); }), {"photo.png", "--person 2", "--mask says"});
+  o.matting.person = 1;
+  TensorFile overflowing = read_tensors(o.weights[0]);
+  for (auto& [name, tensor] : overflowing.tensors) tensor.fill_(65504);
+  write_tensors(o.weights[0], overflowing);
+  expect_message(input_error_of([&] { estimate(o); }), {"photo.png", "map 'normal'", "NaN"});
+  EXPECT_FALSE(std::filesystem::exists(o.output));
   o.weights = weights_in(folder, false);
   std::filesystem::create_directories(o.output);
   std::ofstream(o.output / "precious.txt") << "mine";
