@@ -105,6 +105,23 @@ class Reader(unittest.TestCase):
         with self.assertRaises(DatasetError):
             Dataset(self.whole, lights=["moon"])[0]
 
+    def test_paths_names_and_places_as_python_has_them(self):
+        mine = Dataset(os.fsencode(self.whole), maps=(name for name in ["mask"]), lights=[])
+        self.assertEqual([list(s) for s in mine], [["mask"]] * 3, "a generator lasts for all samples")
+        self.assertEqual([s.view for s in mine[-3:-1]], [0, 1])
+        self.assertEqual(len(Dataset(self.whole, people="ann")), 2)
+        self.assertIn("'an'", self.refusal(self.whole, people="an"))
+        self.assertIn("'eve'", self.refusal(self.whole, people=(name for name in ["ann", "eve"])))
+        self.assertIn("empty", self.refusal(""))
+        self.assertIn("cannot be read", self.refusal("n" * 300))
+        self.assertEqual(len(read_sample(os.fsencode(mine.entries[0].file))), 3)
+        with self.assertRaises(TypeError):
+            read_sample(None)
+        pipe = self.root / "view\n000.exr"
+        os.mkfifo(pipe)
+        with self.assertRaisesRegex(DatasetError, "^[^\n]*no such file[^\n]*$"):
+            read_sample(pipe)
+
     def test_unfinished_and_mixed_folders_are_refused(self):
         folder = self.copy()
         views = folder / "humans/ann/views"
@@ -121,6 +138,7 @@ class Reader(unittest.TestCase):
         self.assertIn("no such folder", self.refusal(folder / "nowhere"))
         manifest = (folder / "dataset.xml").read_text()
         changes = [('planned_sets="1"', 'planned_sets="9"', "lacks 8 sets"), ('schema="1"', 'schema="9"', "newer"),
+                   ('schema="1"', 'schema="\u00b2"', "no list of a dataset"),
                    ('views="humans/bob/views"', 'views="../x"', "outside"), ("</dataset>", "", "damaged"),
                    (' sets="1"', "", "lacks"), ("<dataset ", "<datas ", "damaged")]
         for old, new, words in changes:
@@ -140,8 +158,14 @@ class Reader(unittest.TestCase):
         listing["settings"]["ohb:spp"] = "3"
         (folder / "render.json").write_text(json.dumps(listing))
         self.assertIn("changed", self.refusal(folder))
+        listing = json.loads(good)
+        listing["views"].append(listing["views"][0])
+        (folder / "render.json").write_text(json.dumps(listing))
+        self.assertIn("twice", self.refusal(folder))
         (folder / "render.json").write_text(good)
         whole = (folder / "view_001.exr").read_bytes()
+        shutil.copy(folder / "view_000.exr", folder / "view_001.exr")
+        self.assertIn("view_001.exr: is view 0", self.refusal(folder))
         for cut in (0, 10, 500):
             (folder / "view_001.exr").write_bytes(whole[:cut])
             self.assertIn("view_001.exr", self.refusal(folder))

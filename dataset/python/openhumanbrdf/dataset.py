@@ -1,6 +1,7 @@
 """Folders of samples: one that `render` wrote, a folder of such, or a dataset that `produce` wrote."""
 import hashlib
 import json
+import os
 import re
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path, PurePosixPath
@@ -18,7 +19,7 @@ class Sample(dict):
         super().__init__(arrays)
         self.lights, self.attributes = lights, attributes
         self.person, self.split, self.file = entry.person, entry.split, entry.file
-        self.view = int(entry.file.stem.split("_")[1])
+        self.view = _number_of(entry.file.name)
 
     def __repr__(self):
         maps = ", ".join("%s %s" % (name, array.shape) for name, array in self.items())
@@ -28,6 +29,10 @@ class Sample(dict):
 class Entry:
     def __init__(self, file, person, split):
         self.file, self.person, self.split = file, person, split
+
+
+def _number_of(name):
+    return int(name[len("view_"):-len(".exr")])
 
 
 def _read_json(file):
@@ -49,6 +54,8 @@ def _listing(folder):
         identity, settings = listing["identity"], dict(listing["settings"])
     except (KeyError, TypeError, ValueError):
         raise DatasetError("%s: does not say which views it has; render the folder again" % file) from None
+    if len(set(views)) != len(views):
+        raise DatasetError("%s: lists a view twice; render the folder again" % file)
     for name in views:
         if not isinstance(name, str) or not VIEW.fullmatch(name):
             raise DatasetError("%s: lists '%s', which is no view; render the folder again" % (file, name))
@@ -81,7 +88,7 @@ def _dataset_people(root):
         tree = ElementTree.parse(file).getroot()
     except (OSError, ElementTree.ParseError) as error:
         raise DatasetError("%s: is damaged (%s); run produce again" % (file, error)) from None
-    if tree.tag != "dataset" or not tree.get("schema", "").isdigit():
+    if tree.tag != "dataset" or not re.fullmatch("[0-9]{1,9}", tree.get("schema", "")):
         raise DatasetError("%s: is no list of a dataset; give the folder that produce wrote" % file)
     if int(tree.get("schema")) > SCHEMA:
         raise DatasetError("%s: is of schema %s, newer than %d; use a newer openhumanbrdf package" % (file, tree.get("schema"), SCHEMA))
@@ -96,8 +103,13 @@ def _dataset_people(root):
         yield name, person.get("split", ""), root / views, missing
 
 
+def _names(given):
+    """Names as a list, which may be gone through again and again: a single one, a generator; None stays."""
+    return [given] if isinstance(given, str) else None if given is None else list(given)
+
+
 class Dataset:
-    """The samples below a folder, ordered by person and view: dataset[i] is a Sample.
+    """The samples below a folder, ordered by person and view: dataset[i] is a Sample, dataset[i:k] a list of them.
 
     split: "train", "val" or "test" of a dataset that produce wrote; None: all.
     people: ids; None: all. maps, lights: names to read; None: all that a sample has.
@@ -108,16 +120,29 @@ class Dataset:
     """
 
     def __init__(self, path, split=None, people=None, maps=None, lights=None, unfinished=False):
-        self.path, self.maps, self.lights = Path(path), maps, lights
-        if not self.path.is_dir():
-            raise DatasetError("%s: no such folder; give one that render or produce wrote" % path)
+        if not path:
+            raise DatasetError("the name of the folder is empty; give one that render or produce wrote")
+        self.path, self.maps, self.lights = Path(os.fsdecode(path)), _names(maps), _names(lights)
         self.entries = []
+        try:
+            self._add_all(split, _names(people), unfinished)
+        except OSError as error:
+            raise DatasetError("%s: cannot be read (%s); check the path and its permissions" % (self.path, error)) from None
+
+    def _add_all(self, split, people, unfinished):
+        if not self.path.is_dir():
+            raise DatasetError("%s: no such folder; give one that render or produce wrote" % self.path)
+        there = set()
         for name, of_split, folder in self._folders(unfinished):
+            there.add(name)
             if (split is None or of_split == split) and (people is None or name in people):
                 self._add(folder, name, of_split)
+        unknown = sorted(set(people or ()) - there)
+        if unknown:
+            raise DatasetError("%s: has no samples of '%s'; people says whose are wanted" % (self.path, unknown[0]))
         if not self.entries:
             raise DatasetError("%s: holds no samples%s; write them with openhumanbrdf render or produce" %
-                               (path, "" if split is None and people is None else " of that split or of these people"))
+                               (self.path, "" if split is None and people is None else " of that split or of these people"))
 
     def _folders(self, unfinished):
         if (self.path / "dataset.xml").is_file():
@@ -149,12 +174,18 @@ class Dataset:
             if found.get("ohb:identity") != identity or identity_of(found) != identity:
                 raise DatasetError("%s: is of other settings than render.json beside it states; keep views of one setting in "
                                    "a folder" % (folder / view))
+            number = str(_number_of(view))
+            if found.get("ohb:view", number) != number:
+                raise DatasetError("%s: is view %s by what it holds: it was renamed or copied; render the folder again" %
+                                   (folder / view, found["ohb:view"]))
         self.entries += [Entry(folder / view, name, split) for view in views]
 
     def __len__(self):
         return len(self.entries)
 
     def __getitem__(self, index):
+        if isinstance(index, slice):
+            return [self[i] for i in range(len(self))[index]]
         entry = self.entries[index]
         return Sample(*read_sample(entry.file, self.maps, self.lights), entry)
 

@@ -1,5 +1,6 @@
 """One sample: a multi-part EXR with a mask, its maps, the classes and one picture a light (docs/commands/render.md)."""
 import json
+import os
 from pathlib import Path
 from typing import NamedTuple
 
@@ -8,6 +9,9 @@ import numpy as np
 
 class DatasetError(ValueError):
     """A file or folder that cannot be read as a dataset: one line that says where, what and what to do."""
+
+    def __init__(self, words):
+        super().__init__(" ".join(words.splitlines()))     # names of files may have several
 
 
 class Field(NamedTuple):
@@ -34,9 +38,11 @@ def _openexr():
 
 
 def _parts(path, header_only):
-    openexr = _openexr()
+    openexr, path = _openexr(), os.fsdecode(path)
+    if not os.path.isfile(path):    # a pipe would be waited for
+        raise DatasetError("%s: no such file; check the path" % path)
     try:
-        return openexr.File(str(path), separate_channels=True, header_only=header_only).parts
+        return openexr.File(path, separate_channels=True, header_only=header_only).parts
     except Exception as error:      # the package throws whatever the library did
         raise DatasetError("%s: is no sample that can be read: %s; render it again" % (path, str(error).splitlines()[0])) from None
 
