@@ -44,6 +44,7 @@ class XmlDocument {
 
  private:
   std::string line_of(ptrdiff_t offset) const;
+  void expect_one_root() const;
   void expect_shallow() const;
 
   std::filesystem::path file_;
@@ -52,7 +53,8 @@ class XmlDocument {
   pugi::xml_node root_;
 };
 
-/// The document as text: declaration, two spaces of indent, a newline at the end.
+/// The document as text: declaration, two spaces of indent, a newline at the end. What is not UTF-8 in it
+/// is read as Latin-1; control characters, which XML has not, become U+FFFD.
 std::string xml_text(const pugi::xml_document& document);
 
 /// The shortest text that reads back as the same number, whatever the locale.

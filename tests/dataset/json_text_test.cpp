@@ -79,6 +79,19 @@ TEST(JsonText, NothingGoesAroundIt) {
     }
 }
 
+TEST(XmlText, IsXmlWhateverBytesANameHas) {
+  pugi::xml_document document;
+  const std::string name = "Fran\xe7ois \x01\t<&> \xc3\xbc \xff";
+  document.append_child("model").append_attribute("name") = name.c_str();
+  const std::string text = xml_text(document);
+  EXPECT_NE(text.find("Fran\xc3\xa7ois \xef\xbf\xbd&#09;&lt;&amp;> \xc3\xbc \xc3\xbf"), std::string::npos)
+      << text;
+  const TemporaryFolder folder;
+  write_file_atomically(folder / "model.xml", text);
+  const XmlDocument again(folder / "model.xml", "model");
+  EXPECT_EQ(again.text(again.root(), "name"), "Fran\xc3\xa7ois \xef\xbf\xbd\t<&> \xc3\xbc \xc3\xbf");
+}
+
 TEST(XmlDocument, RefusesDeepNesting) {
   const TemporaryFolder folder;
   std::string text = "<rules>";
