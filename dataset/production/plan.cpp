@@ -17,6 +17,7 @@ namespace {
 constexpr uint64_t kSchema = 1;
 constexpr uint64_t kMostSets = 100000;  // of a person
 constexpr uint64_t kMostLights = 64;    // of a set
+constexpr uint64_t kMostMap_px = 8192;  // as many as `bake` makes
 
 uint64_t count_from(const XmlDocument& xml, pugi::xml_node node, const char* attribute, uint64_t low,
                     uint64_t high, uint64_t otherwise) {
@@ -83,6 +84,7 @@ void read_pools(const XmlDocument& xml, Plan& plan) {
 
 renderer::PointLight read_point(const XmlDocument& xml, pugi::xml_node node, size_t index) {
   xml.expect_attributes(node, {"x_cm", "y_cm", "z_cm", "intensity"});
+  xml.expect_children(node, {});
   const auto coordinate = [&](const char* name) {
     return static_cast<float>(xml.number(node, name, -1e5, 1e5));
   };
@@ -176,7 +178,7 @@ void read_maps(const XmlDocument& xml, Plan& plan) {
   if (node.next_sibling("maps")) throw xml.error(node.next_sibling("maps"), "a second <maps>", "keep one");
   xml.expect_attributes(node, {"size_px"});
   xml.expect_children(node, {});
-  plan.map_px = static_cast<int>(xml.count(node, "size_px", 16384));
+  plan.map_px = static_cast<int>(xml.count(node, "size_px", kMostMap_px));
   if (plan.map_px < 1)
     throw xml.error(node, "size_px=\"0\" is below 1", "leave <maps> out for the pictures' own size");
 }

@@ -20,7 +20,9 @@ bool is_plain(char c) {
 }
 
 std::string with_id(std::string pattern, const std::string& id) {
-  for (size_t at; (at = pattern.find("{id}")) != std::string::npos;) pattern.replace(at, 4, id);
+  // Onwards from what was put in: an id may hold "{id}" itself.
+  for (size_t at = 0; (at = pattern.find("{id}", at)) != std::string::npos; at += id.size())
+    pattern.replace(at, 4, id);
   return pattern;
 }
 

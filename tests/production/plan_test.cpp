@@ -77,6 +77,18 @@ TEST(Plan, AnExactNumberTrains) {
   EXPECT_EQ(train, 2);
 }
 
+TEST(Plan, AFolderWithTheNameOfThePatternIsRefusedInWords) {
+  const PlanFolder folder;
+  for (const char* id : {"{id}", "x{id}"}) {
+    folder.write(std::string("people/") + id + "/" + id + "_scan.obj", "v 0 0 0\n");
+    folder.write(std::string("people/") + id + "/" + id + "_scan.labels.txt", "0\n");
+  }
+  const fs::path plan =
+      folder.plan(std::string(R"(<people folder="people" split="train"/>)") + kEnvironments + kViews);
+  EXPECT_THROW(read_plan(plan),
+               InputError);  // it names no folder of a dataset; it once took for ever to say so
+}
+
 TEST(Plan, EveryPersonIsInOneShard) {
   const PlanFolder folder;
   const Plan plan = read_plan(folder.plan(std::string(R"(<people folder="people" split="train"/>)") +
@@ -202,6 +214,13 @@ std::vector<Refusal> refusals() {
       {"MaxSppAlone", views("max_spp=\"64\"", lights), "max_spp"},
       {"UnknownSubsurface", views("subsurface=\"deep\"", lights), "subsurface=\"deep\""},
       {"PointFarAway", views("", R"(<point x_cm="1e9" y_cm="0" z_cm="0" intensity="1"/>)"), "x_cm=\"1e9\""},
+      {"PointHoldsMore", views("", R"(<point x_cm="1" y_cm="0" z_cm="0" intensity="1"><lights/></point>)"),
+       "<lights> is not known inside <point>"},
+      {"MapsLargerThanBakeMakes", whole("<maps size_px=\"8193\"/>" + p + rest), "size_px=\"8193\""},
+      {"TwoRoots", whole(p + rest) + whole(p + rest),
+       "line 4: not well-formed XML: a second root element, <plan>"},
+      {"TextAfterTheRoot", whole(p + rest) + "hello", "not well-formed XML: text outside of the root"},
+      {"OnlyAComment", "<!-- plan -->", "not well-formed XML"},
       {"MaterialsLackAClass",
        whole(p + rest +
              "<materials specular_encoding=\"srgb-f0\" roughness_encoding=\"perceptual\" "
