@@ -16,27 +16,49 @@ namespace ohb::production {
 namespace fs = std::filesystem;
 namespace {
 
-/// Size and time of the last change in ns; false if there is no such file.
+/// Size and time of the last change in ns; false if there is no such file. Not the time of modification,
+/// which whoever copies or unpacks a file sets as he likes.
 bool look_at(const std::string& file, uint64_t& size, int64_t& changed_ns) {
   struct stat status {};
   if (::stat(file.c_str(), &status) != 0) return false;
   size = static_cast<uint64_t>(status.st_size);
-  changed_ns = int64_t{status.st_mtim.tv_sec} * 1000000000 + status.st_mtim.tv_nsec;
+  changed_ns = int64_t{status.st_ctim.tv_sec} * 1000000000 + status.st_ctim.tv_nsec;
   return true;
 }
 
-/// Mesh, pictures, and every material and buffer file beside the mesh: readers find these by many names.
+/// What may be looked at of a folder.
+std::vector<fs::path> paths_in(const fs::path& folder) {
+  std::vector<fs::path> paths;
+  std::error_code ignored;
+  for (fs::directory_iterator entry(folder, ignored), end; !ignored && entry != end; entry.increment(ignored))
+    paths.push_back(entry->path());
+  return paths;
+}
+
+bool is_of_materials(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  std::error_code ignored;
+  return (extension == ".mtl" || extension == ".bin") && fs::is_regular_file(path, ignored);
+}
+
+/// Mesh and pictures, the folders where readers look for files, and every material and buffer file there:
+/// readers find these by many names. A folder changes when a name in it comes or goes.
 std::vector<std::string> files_of_scan(const fs::path& file) {
-  std::set<std::string> files{fs::absolute(file).string()};
+  std::set<fs::path> files{fs::absolute(file).lexically_normal()}, folders;
   for (const fs::path& picture : commands::picture_files(read_scan(file)))
-    files.insert(fs::absolute(picture).string());
-  for (const auto& entry : fs::directory_iterator(folder_of(file))) {
-    std::string extension = entry.path().extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (entry.is_regular_file() && (extension == ".mtl" || extension == ".bin"))
-      files.insert(fs::absolute(entry.path()).string());
-  }
-  return {files.begin(), files.end()};
+    files.insert(fs::absolute(picture).lexically_normal());
+  for (const fs::path& known : files) folders.insert(folder_of(known));
+  std::error_code ignored;
+  for (const fs::path& path : paths_in(folder_of(fs::absolute(file).lexically_normal())))
+    if (fs::is_directory(path, ignored)) folders.insert(path);
+  for (const fs::path& folder : folders)
+    for (const fs::path& path : paths_in(folder))
+      if (is_of_materials(path)) files.insert(path);
+  std::vector<std::string> all;
+  for (const auto* paths : {&files, &folders})
+    for (const fs::path& path : *paths) all.push_back(path.string());
+  return all;
 }
 
 }  // namespace
@@ -79,20 +101,29 @@ std::string FileHashes::of(const fs::path& given) {
   return known.sha256;
 }
 
+void FileHashes::watch(const std::string& folder) {
+  if (is_unchanged(folder)) return;
+  Known known;
+  look_at(folder, known.size, known.changed_ns);
+  files_[folder] = known;
+  is_new_ = true;
+}
+
 std::string FileHashes::of_scan(const fs::path& scan) {
   const std::string key = fs::absolute(scan).lexically_normal().string();
   std::vector<std::string>& files = scans_[key];
   if (files.empty() ||
       !std::all_of(files.begin(), files.end(), [&](const auto& f) { return is_unchanged(f); })) {
-    files.clear();
-    for (const std::string& file : files_of_scan(scan))
-      files.push_back(fs::path(file).lexically_normal().string());
+    files = files_of_scan(scan);
     is_new_ = true;
   }
   // Names count by their place beside the scan, so that a moved folder is the same scan.
   std::string text;
   for (const std::string& file : files)
-    text += fs::path(file).lexically_proximate(folder_of(key)).generic_string() + " " + of(file) + "\n";
+    if (std::error_code ignored; fs::is_directory(file, ignored))
+      watch(file);
+    else
+      text += fs::path(file).lexically_proximate(folder_of(key)).generic_string() + " " + of(file) + "\n";
   return sha256_of(text);
 }
 

@@ -21,7 +21,7 @@ class FileHashes {
   std::string of(const std::filesystem::path& file);
 
   /// SHA-256 of everything that a scan is made of: mesh, materials and pictures. The scan is read to find
-  /// its files unless those of the last time are all unchanged. Throws as read_scan.
+  /// its files unless those of the last time and their folders are all unchanged. Throws as read_scan.
   std::string of_scan(const std::filesystem::path& scan);
 
   /// Throws as write_file_atomically. Does nothing if there is nothing new.
@@ -34,6 +34,8 @@ class FileHashes {
     std::string sha256;
   };
   bool is_unchanged(const std::string& file) const;
+  /// A folder of which nothing but a change counts.
+  void watch(const std::string& folder);
 
   std::filesystem::path memory_;
   std::map<std::string, Known> files_;

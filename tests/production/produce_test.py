@@ -72,6 +72,33 @@ class Redone(Production):
         png(self.folder / "people/b/colour.png", 32, lambda x, y: (8 * y, 8 * x, 64))
         self.assertEqual(self.produce()["made"], 4)
 
+    def test_a_light_that_was_unpacked_over_the_old_one(self):
+        """Of the same size and time, as archives keep them."""
+        self.have_produced()
+        for light in (self.folder / "env").iterdir():
+            was = light.stat()
+            write_hdr(light, value=(90, 90, 90, 131))
+            os.utime(light, ns=(was.st_atime_ns, was.st_mtime_ns))
+        self.assertEqual(self.produce()["made"], 12)
+
+    def test_files_that_the_scan_finds_in_other_folders(self):
+        from small_scene import png
+        home = self.folder / "people/b"
+        (home / "parts").mkdir()
+        for name in ("scan.mtl", "colour.png"):
+            (home / name).rename(home / "parts" / name)
+        scan = home / "b_scan.obj"
+        scan.write_text(scan.read_text().replace("scan.mtl", "parts/scan.mtl"))
+        (home / "parts/colour.png").rename(home / "parts/COLOUR.png")    # found whatever its case
+        self.write_plan(views=1)
+        self.assertEqual(self.produce()["made"], 3)
+        png(home / "parts/colour.png", 32, lambda x, y: (8 * y, 8 * x, 64))    # as it is written, so the first to be looked for
+        self.assertEqual(self.produce()["made"], 1)
+        library = home / "parts/scan.mtl"
+        library.write_text(library.read_text().replace("map_Kd colour.png", "Kd 0.5 0.2 0.2", 1))
+        self.assertEqual(self.produce()["made"], 1)
+        self.assertEqual(self.produce()["made"], 0)
+
     def test_views_fewer_and_more(self):
         self.have_produced()
         self.write_plan(spp=4)
