@@ -17,6 +17,12 @@ std::string padded(int number) {
   return std::string(digits.size() < 3 ? 3 - digits.size() : 0, '0') + digits;
 }
 
+/// Whether it leads to no other place than into the dataset.
+bool stays_inside(const fs::path& path) {
+  const fs::path normal = path.lexically_normal();
+  return !normal.empty() && !normal.has_root_path() && *normal.begin() != "..";
+}
+
 }  // namespace
 
 std::string set_file(int number) {
@@ -39,6 +45,9 @@ std::optional<UnitMarker> read_marker(const Layout& layout, const std::string& i
     for (const auto& row : json.at("files"))
       marker.files.push_back({row.at("path").get<std::string>(), row.at("size").get<uint64_t>(),
                               row.at("sha256").get<std::string>()});
+    // Files that a marker names are removed when the plan drops the unit: none but the dataset's.
+    for (const UnitFile& entry : marker.files)
+      if (!stays_inside(entry.path)) return std::nullopt;
     return marker;
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;

@@ -99,6 +99,16 @@ class Redone(Production):
         self.assertEqual(self.produce()["made"], 1)
         self.assertEqual(self.produce()["made"], 0)
 
+    def test_a_marker_that_names_files_outside(self):
+        self.have_produced()
+        marker = self.out / ".ohb/done/a/set_009.json"    # of no set of the plan: its files go
+        mine = self.folder / "people/a/a_scan.obj"
+        for path in ("../people/a/a_scan.obj", "humans/../../people/a/a_scan.obj", str(mine)):
+            marker.write_text(json.dumps({"hash": "", "facts": {}, "files": [{"path": path, "size": 1, "sha256": ""}]}))
+            self.assertEqual(self.produce()["made"], 0)
+            self.assertTrue(mine.exists())
+            self.assertFalse(marker.exists())
+
     def test_views_fewer_and_more(self):
         self.have_produced()
         self.write_plan(spp=4)
