@@ -94,8 +94,11 @@ void write_manifest(const Plan& plan, const Layout& layout, FileHashes& environm
   append_materials(root.append_child("materials"), plan.materials);
   append_environments(root, plan, environments);
   append_people(root, plan, layout);
-  write_file_atomically(layout.root / "dataset.xml", xml_text(document));
-  write_file_atomically(layout.root / "splits.xml", splits_text(plan, layout));
+  const fs::path dataset = layout.root / "dataset.xml", splits = layout.root / "splits.xml";
+  begin_unit(layout, "", kManifestUnit);
+  write_file_atomically(dataset, xml_text(document));
+  write_file_atomically(splits, splits_text(plan, layout));
+  finish_unit(layout, "", kManifestUnit, {dataset, splits}, {plan.sha256, {}, {}});
 }
 
 DatasetPlan read_dataset_plan(const Layout& layout) {

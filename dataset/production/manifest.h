@@ -8,6 +8,7 @@
 namespace ohb::production {
 
 constexpr int kDatasetSchema = 1;
+constexpr const char* kManifestUnit = "manifest";  // of dataset.xml and splits.xml; nobody's: id ""
 
 /// How far one person is.
 struct PersonState {

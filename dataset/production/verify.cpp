@@ -238,15 +238,25 @@ VerifyReport Verification::run() {
   return report_;
 }
 
+/// What readers know people and splits by.
+void check_manifest(const Layout& layout, VerifyReport& report) {
+  std::map<std::string, std::string> written;  // not known of datasets of older versions
+  if (const auto marker = read_marker(layout, "", kManifestUnit))
+    for (const UnitFile& file : marker->files) written[file.path] = file.sha256;
+  for (const std::string name : {"dataset.xml", "splits.xml"})
+    if (!fs::is_regular_file(layout.root / name))
+      report.faults.push_back({name, "is missing; `produce` writes it"});
+    else if (written.count(name) > 0 && sha256_of_file(layout.root / name) != written[name])
+      report.faults.push_back({name, "has another content than was written; `produce` writes it anew"});
+}
+
 }  // namespace
 
 VerifyReport verify_dataset(const VerifyJob& job) {
   const Layout layout{job.dataset};
   const Plan plan = read_plan(read_dataset_plan(layout).plan);
   VerifyReport report = Verification(job, plan, layout).run();
-  for (const char* name : {"dataset.xml", "splits.xml"})
-    if (!fs::is_regular_file(layout.root / name))
-      report.faults.push_back({name, "is missing; `produce` writes it"});
+  check_manifest(layout, report);
   return report;
 }
 

@@ -93,6 +93,15 @@ class Verify(Looks):
         (self.out / "dataset.xml").unlink()
         self.assertIn("dataset.xml", self.faults())
 
+    def test_people_and_splits(self):
+        for name, old, new in (("splits.xml", 'name="train"', 'name="test" '), ("dataset.xml", 'split="train"', 'split="test" ')):
+            file, good = self.out / name, (self.out / name).read_text()
+            self.assertIn(old, good)
+            file.write_text(good.replace(old, new, 1))
+            self.only_fault(name, "another content")
+            self.produce()
+            self.assertEqual(file.read_text(), good)
+
     def test_a_changed_plan(self):
         self.write_plan(size=32, spp=17)
         found = self.faults()
