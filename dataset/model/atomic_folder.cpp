@@ -81,6 +81,14 @@ void check_replaceable(const fs::path& folder, const std::string& kind) {
                    "move what you want to keep, or choose another -o");
 }
 
+/// A name that is not hidden, or "": hidden ones are none of ours, and a killed run may have left some.
+std::string open_name_in(const fs::path& folder) {
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (const std::string name = entry->path().filename().string(); name[0] != '.') return name;
+  return "";
+}
+
 bool is_below(const fs::path& path, const fs::path& folder) {
   const auto [end, ignored] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
   return end == folder.end();
@@ -183,10 +191,15 @@ void claim_folder(const fs::path& folder, const std::string& kind) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
     throw InputError(folder.string(), "", "is a file, a folder should be written there", "choose another -o");
+  // Before the marker, which those who start at the same time write before anything else.
+  const std::string foreign = open_name_in(folder);
   if (const std::optional<FolderMarker> marker = read_marker(folder)) {
     check_kind(folder, *marker, kind);
     return;
   }
+  if (!foreign.empty())
+    throw InputError(folder.string(), "", "holds '" + foreign + "', and was not written by this program",
+                     "choose another -o, or a new folder inside of it");
   make_folders(folder);
   write_file_atomically(folder / kMarkerName, marker_text(kind, {}));
 }

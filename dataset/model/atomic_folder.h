@@ -47,7 +47,8 @@ class AtomicFolder {
 void check_not_owned(const std::filesystem::path& file);
 
 /// Makes a folder that grows from run to run (samples, training runs) and marks it with its kind. Throws
-/// InputError if it is marked as another kind, or cannot be made; TryAgainError if the disk is full.
+/// InputError if it is marked as another kind, holds files and no mark, or cannot be made; TryAgainError if
+/// the disk is full.
 void claim_folder(const std::filesystem::path& folder, const std::string& kind);
 
 }  // namespace ohb

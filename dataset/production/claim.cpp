@@ -1,24 +1,10 @@
 #include "dataset/production/claim.h"
 
-#include "dataset/model/atomic_folder.h"
 #include "dataset/model/error.h"
 #include "dataset/production/manifest.h"
 
 namespace ohb::production {
 namespace fs = std::filesystem;
-
-void claim_dataset(const fs::path& output) {
-  std::error_code ignored;
-  if (fs::is_directory(output, ignored) && !ohb::read_marker(output))
-    for (const auto& entry : fs::directory_iterator(output)) {
-      const std::string name = entry.path().filename().string();
-      if (name.rfind(".openhumanbrdf", 0) == 0 || name.rfind("..openhumanbrdf", 0) == 0 || name == ".ohb")
-        continue;
-      throw InputError(output.string(), "", "exists and was not written by this program",
-                       "choose another -o or remove it yourself");
-    }
-  claim_folder(output, "dataset");
-}
 
 std::unique_ptr<FileLock> lock_plan(const Plan& plan, const Layout& layout) {
   auto lock = std::make_unique<FileLock>(layout.locks() / ".plan", FileLock::Kind::kExclusive);

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/error.h"
 #include "dataset/model/json_text.h"
 #include "dataset/model/temporary.h"
@@ -245,7 +246,7 @@ SubmitReport submit(const SubmitJob& job) {
   const fs::path trial = folder.path() / "job.sh";
   write_file_atomically(trial, report.script);
   sbatch({"--test-only"}, layout.root, trial);
-  claim_dataset(layout.root);
+  claim_folder(layout.root, "dataset");
   const auto lock = lock_plan(job.plan, layout);
   make_folders(slurm_folder(layout) / "logs");
   write_file_atomically(slurm_folder(layout) / "job.sh", report.script);

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "dataset/model/atomic_file.h"
+#include "dataset/model/atomic_folder.h"
 #include "dataset/model/error.h"
 #include "dataset/model/interrupt.h"
 #include "dataset/model/process.h"
@@ -239,7 +240,7 @@ ProduceReport produce(const ProduceJob& job) {
     ++report.people;
     report.sets += static_cast<size_t>(job.plan.views_of(*person).set_count());
   }
-  claim_dataset(job.output);
+  claim_folder(job.output, "dataset");
   const Layout layout{job.output};
   const FileLock ours(layout.locks() / fmt::format(".shard-{}-of-{}", job.shard.index, job.shard.count),
                       FileLock::Kind::kExclusive);

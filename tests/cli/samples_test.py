@@ -96,6 +96,9 @@ class Samples(Case):
         unknown = self.folder / "unknown"
         unknown.mkdir()
         (unknown / "view_000.exr").write_text("somebody's")
+        self.expect_refusal(self.render(unknown), "holds 'view_000.exr'", "not written by this program")
+        self.assertEqual([p.name for p in unknown.iterdir()], ["view_000.exr"])
+        (unknown / ".openhumanbrdf").write_text("kind samples\n")
         self.expect_refusal(self.render(unknown), "view_000.exr", "nothing says by which settings", "--overwrite")
         self.assertEqual((unknown / "view_000.exr").read_text(), "somebody's")
         samples = self.folder / "with_a_stray"

@@ -220,6 +220,20 @@ TEST(ClaimedFolder, KeepsItsKind) {
   expect_message(input_error_of([&] { claim_folder(folder / "model", "samples"); }), {"holds model"});
 }
 
+TEST(ClaimedFolder, TakesNobodysPlace) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "mine");
+  fs::create_directory(folder / "empty");
+  write_file_atomically(folder / "mine/sheet.png", "mine");
+  expect_message(input_error_of([&] { claim_folder(folder / "mine", "samples"); }),
+                 {"holds 'sheet.png'", "not written by this program", "choose another -o"});
+  EXPECT_EQ(names_in(folder / "mine"), std::set<std::string>{"sheet.png"});
+  // What file managers and killed runs leave.
+  write_file_atomically(folder / "empty/.DS_Store", "x");
+  claim_folder(folder / "empty", "samples");
+  EXPECT_EQ(read_marker(folder / "empty")->kind, "samples");
+}
+
 TEST(Leftovers, OfKilledWritersAreSwept) {
   const TemporaryFolder folder;
   killed_after([&] {
