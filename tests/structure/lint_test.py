@@ -12,6 +12,7 @@ import json
 import re
 import resource
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -34,6 +35,8 @@ def with_headers(root, path, seen):
 def newest_first(root, files):
     """Uncommitted files, then those of the last commits, then the rest; in their order where there is no git."""
     place = {}
+    if shutil.which("git") is None:
+        return files
     for words in (["diff", "--name-only", "HEAD"], ["log", "-n", "100", "--name-only", "--format="]):
         told = subprocess.run(["git", "-C", str(root)] + words, capture_output=True, text=True, check=False).stdout
         for name in told.splitlines():
