@@ -62,9 +62,13 @@ class Sha256 {
 
 void write_file_atomically(const fs::path& given, const std::function<void(const fs::path&)>& write) {
   const fs::path file = followed(given);
-  if (fs::is_directory(file))
+  const fs::file_status there = fs::status(file);
+  if (fs::is_directory(there))
     throw InputError(file.string(), "", "is a folder, a file should be written there",
                      "name a file or remove the folder");
+  if (fs::exists(there) && !fs::is_regular_file(there))  // it would be gone, for root even /dev/null
+    throw InputError(file.string(), "", "is a device or a pipe, a file should be written there",
+                     "name a file");
   sweep_leftovers_once(folder_of(file));
   const LockedTemporary temporary(file, LockedTemporary::Kind::kFile);
   write(temporary.path());

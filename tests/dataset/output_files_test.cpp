@@ -67,6 +67,13 @@ TEST(AtomicFile, NothingHalfWrittenStays) {
   EXPECT_EQ(names_in(folder.path()), std::set<std::string>{"kept.txt"});
 }
 
+TEST(AtomicFile, NeverTakesThePlaceOfADeviceOrAPipe) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(::mkfifo((folder / "pipe").c_str(), 0600), 0);
+  expect_message(input_error_of([&] { write_file_atomically(folder / "pipe", "text"); }), {"pipe", "a file"});
+  EXPECT_TRUE(fs::is_fifo(folder / "pipe"));
+}
+
 TEST(AtomicFile, FollowsLinks) {
   const TemporaryFolder folder;
   make_folders(folder / "disk");
