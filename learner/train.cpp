@@ -179,7 +179,12 @@ int64_t Trainer::start_or_resume() {
                      "add --resume to go on with it, or choose another -o");
   sweep_leftovers(options_.run);
   check_same_run(read_checkpoint_header(*newest), header_, *newest);
-  return load_checkpoint(*newest, optimiser_).at("step").get<int64_t>();
+  const int64_t done = load_checkpoint(*newest, optimiser_).at("step").get<int64_t>();
+  if (done > steps_)
+    throw InputError(newest->string(), "--steps " + std::to_string(steps_),
+                     "is less than the " + std::to_string(done) + " steps that the run has made",
+                     "give more, or use the run as it is");
+  return done;
 }
 
 /// The others begin where rank 0 does, with its checkpoint, and only if they do the same.

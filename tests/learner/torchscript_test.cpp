@@ -2,6 +2,7 @@
 #include "learner/torchscript.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <torch/script.h>
 
 #include "dataset/model/atomic_file.h"
@@ -118,6 +119,12 @@ TEST(TorchScriptFile, NeverTakesThePlaceOfWhatIsRead) {
     EXPECT_NE(result.error.find("is read by this command"), std::string::npos) << result.error;
     EXPECT_EQ(read_file(output), before);
   }
+  const std::filesystem::path pipe = folder / "pipe.pt";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::filesystem::path& output : {pipe, folder.path()})
+    expect_message(input_error_of([&] { write_torchscript(Estimator(weights), output); }),
+                   {output.string(), "-o", "a file would be written"});
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 
 }  // namespace
