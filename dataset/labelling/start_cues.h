@@ -27,8 +27,7 @@ struct BodyFrame {
     return std::abs((at.x - head_x_cm) * front.z - (at.z - head_z_cm) * front.x);
   }
 };
-/// The front is +Z unless what has the colour of skin, and not that of the crown, looks elsewhere in the
-/// mean.
+/// The front is +Z unless what lies there has mostly the crown's colour, and skin lies at another side.
 BodyFrame body_frame(const FaceFeatures& features);
 /// Whether a mesh's face lies where the front of the person's face is, between chin and eyes.
 bool is_face_front(const FaceGraph& graph, const BodyFrame& frame, uint32_t face);
