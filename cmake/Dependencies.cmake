@@ -47,4 +47,7 @@ if(OHB_WITH_LEARNER)
   find_package(Torch REQUIRED)
   find_package(OpenMP REQUIRED)
   find_path(OHB_GLOO_INCLUDES gloo/context.h)
+  # Colour profiles of photographs (no CMake configuration in Debian 12).
+  find_path(OHB_LCMS2_INCLUDES lcms2.h REQUIRED)
+  find_library(OHB_LCMS2 lcms2 REQUIRED)
 endif()

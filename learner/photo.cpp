@@ -1,11 +1,14 @@
 #include "learner/photo.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "dataset/model/colour.h"
 #include "dataset/model/error.h"
 #include "dataset/model/image_place.h"
+#include "learner/colour_profile.h"
 #include "learner/data.h"
 
 namespace ohb::learner {
@@ -119,6 +122,8 @@ Photo read_photo(const fs::path& file) {
     throw InputError(file.string(), "", "is only " + size_text(image) + " pixels", "give a larger picture");
   const int colours = colour_channels(image, info, file);
   check_finite(image, file);
+  if (!info.is_float && colours == 3 && to_srgb(image, colour_profile_of(file)) == ProfileUse::kUnreadable)
+    spdlog::warn("{}: its colour profile cannot be read; its colours are taken as sRGB", file.string());
   image = upright(image, info.orientation);
   Photo photo;
   if (info.has_alpha) photo.alpha = channel_of(image, image.channels - 1);

@@ -15,10 +15,10 @@ struct Photo {
   Image alpha;   // 1, the file's own, or empty
 };
 
-/// PNG, JPEG, TIFF (8 or 16 bits, taken as sRGB) or EXR and HDR (taken as linear), grey or colour, with alpha
-/// or not, turned upright by its EXIF orientation; CMYK comes as the image library converts it.
-/// Throws InputError as read_image, and for smaller than 16 x 16 pixels, more than 4 channels, NaN or
-/// infinite values.
+/// PNG, JPEG, TIFF (8 or 16 bits, in the colours of their ICC profile, else as sRGB) or EXR and HDR (taken as
+/// linear), grey or colour, with alpha or not, turned upright by its EXIF orientation; CMYK comes as the
+/// image library converts it. Throws InputError as read_image, and for smaller than 16 x 16 pixels, more than
+/// 4 channels, NaN or infinite values.
 Photo read_photo(const std::filesystem::path& file);
 
 /// Whether the photo's own alpha cuts something out: it has one that is not opaque everywhere.

@@ -3,6 +3,7 @@
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
+#include <lcms2.h>
 
 #include "dataset/model/colour.h"
 #include "dataset/model/image_place.h"
@@ -102,6 +103,58 @@ TEST(Photo, CmykIsConvertedOrRefusedInWords) {
   } catch (const InputError& error) {
     expect_message(error.what(), {"c.tif", "RGB"});
   }
+}
+
+/// A profile of these primaries with sRGB's curve and white.
+std::string profile_with(const cmsCIExyYTRIPLE& primaries) {
+  const cmsCIExyY white{0.3127, 0.3290, 1};
+  const double curve[] = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
+  cmsToneCurve* encoded = cmsBuildParametricToneCurve(nullptr, 4, curve);
+  cmsToneCurve* curves[] = {encoded, encoded, encoded};
+  cmsHPROFILE profile = cmsCreateRGBProfile(&white, &primaries, curves);
+  cmsUInt32Number size = 0;
+  cmsSaveProfileToMem(profile, nullptr, &size);
+  std::string bytes(size, '\0');
+  cmsSaveProfileToMem(profile, bytes.data(), &size);
+  cmsCloseProfile(profile);
+  cmsFreeToneCurve(encoded);
+  return bytes;
+}
+
+Photo photo_with(const TemporaryFolder& folder, const std::string& name, Vec3f stored,
+                 const std::string& profile) {
+  Image picture(32, 32, 3);
+  for (size_t i = 0; i < picture.values.size(); ++i) picture.values[i] = stored[static_cast<int>(i % 3)];
+  write_with(folder / name, picture, OIIO::TypeDesc::UINT8, [&](OIIO::ImageSpec& spec) {
+    spec.attribute("CompressionQuality", 100);
+    if (!profile.empty())
+      spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(profile.size())),
+                     profile.data());
+  });
+  return read_photo(folder / name);
+}
+
+/// Against the matrix from Display P3 to Rec. 709 (SMPTE EG 432-1's primaries, both of white D65).
+TEST(Photo, ColoursFollowTheProfile) {
+  const std::string display_p3 = profile_with({{0.680, 0.320, 1}, {0.265, 0.690, 1}, {0.150, 0.060, 1}});
+  const std::string srgb = profile_with({{0.640, 0.330, 1}, {0.300, 0.600, 1}, {0.150, 0.060, 1}});
+  const double matrix[3][3] = {{1.22494, -0.22494, 0}, {-0.04206, 1.04206, 0}, {-0.01964, -0.07864, 1.09827}};
+  TemporaryFolder folder;
+  for (const char* name : {"p.png", "p.jpg", "p.tif"})
+    for (const Vec3f stored : {Vec3f{153, 102, 51}, Vec3f{204, 204, 204}, Vec3f{230, 26, 26}}) {
+      SCOPED_TRACE(std::string(name) + " " + std::to_string(stored.x));
+      const Vec3f encoded = (1 / 255.0f) * stored;
+      const Photo plain = photo_with(folder, name, encoded, ""),
+                  turned = photo_with(folder, name, encoded, display_p3);
+      for (int c = 0; c < 3; ++c) {
+        double expected = 0;
+        for (int k = 0; k < 3; ++k) expected += matrix[c][k] * srgb_to_linear(encoded[k]);
+        EXPECT_NEAR(turned.linear.pixel(9, 9)[c], std::clamp(expected, 0.0, 1.0), 0.006) << c;
+      }
+      EXPECT_EQ(photo_with(folder, name, encoded, srgb).linear.values, plain.linear.values);
+      EXPECT_EQ(photo_with(folder, name, encoded, display_p3.substr(0, 100)).linear.values,
+                plain.linear.values);
+    }
 }
 
 TEST(Photo, FloatsAreLinear) {
