@@ -9,6 +9,7 @@
 
 #include "dataset/model/error.h"
 #include "dataset/model/oiio_compat.h"
+#include "dataset/model/vec.h"
 
 namespace ohb::learner {
 namespace {

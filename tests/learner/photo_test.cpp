@@ -7,6 +7,7 @@
 
 #include "dataset/model/colour.h"
 #include "dataset/model/image_place.h"
+#include "dataset/model/vec.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -152,6 +153,7 @@ TEST(Photo, ColoursFollowTheProfile) {
         EXPECT_NEAR(turned.linear.pixel(9, 9)[c], std::clamp(expected, 0.0, 1.0), 0.006) << c;
       }
       EXPECT_EQ(photo_with(folder, name, encoded, srgb).linear.values, plain.linear.values);
+      if (std::string(name) == "p.png") continue;  // libpng does not write a profile that is cut off
       EXPECT_EQ(photo_with(folder, name, encoded, display_p3.substr(0, 100)).linear.values,
                 plain.linear.values);
     }
