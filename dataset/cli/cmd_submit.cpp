@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/cli/commands.h"
-#include "dataset/model/error.h"
 #include "dataset/model/json_text.h"
 #include "dataset/production/slurm.h"
 #include "dataset/program/help.h"
@@ -19,7 +18,6 @@ struct Options {
 };
 
 int run_submit(const Options& options, const CommonOptions& common) {
-  if (options.output.empty()) throw InputError("", "-o", "names no folder", "give the folder of the dataset");
   production::SubmitJob job = options.job;
   job.plan = production::read_plan(options.plan);
   job.output = options.output;

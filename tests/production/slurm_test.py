@@ -206,7 +206,7 @@ class LikeSlurm(Submissions):
                 self.submit("--dry-run", "%s=%s" % (option, value), code=BAD_INPUT)
                 self.assertIn(option, self.stderr, repr(value))
         self.ohb("submit", self.plan, "-o", "", "--dry-run", code=BAD_INPUT)
-        self.assertIn("names no folder", self.one_line())
+        self.assertIn("is empty", self.one_line())
         for sign in "%", "\\":
             self.submit("--dry-run", code=BAD_INPUT, out=self.folder / ("a" + sign))
             self.assertIn("sign in its path", self.one_line())
