@@ -20,10 +20,12 @@ void mirror(Example& e) {
 Batch joined(const std::vector<Example>& examples) {
   const auto all = [&](auto member) {
     std::vector<Tensor> parts;
+    parts.reserve(examples.size());
     for (const Example& e : examples) parts.push_back(member(e));
     return parts.size() == 1 ? parts[0] : torch::cat(parts);
   };
   Batch batch;
+  batch.names.reserve(examples.size());
   for (const Example& e : examples) batch.names.push_back(e.name);
   batch.input = all([](const Example& e) { return e.input; });
   batch.mask = all([](const Example& e) { return e.mask; });

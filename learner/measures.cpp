@@ -135,7 +135,9 @@ Interval bootstrap_of_mean(const std::vector<double>& values) {
     means.push_back(sum / count);
   }
   std::sort(means.begin(), means.end());
-  const auto at = [&](double share) { return means[static_cast<size_t>(share * (kResamples - 1) + 0.5)]; };
+  const auto at = [&](double share) {
+    return means[static_cast<size_t>(std::lround(share * (kResamples - 1)))];
+  };
   return {at(kTail), at(1 - kTail)};
 }
 

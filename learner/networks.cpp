@@ -119,7 +119,7 @@ FusionBlockImpl::FusionBlockImpl(int64_t channels, int64_t guidance_channels)
       mlp_in_(register_module("mlp_in", nn::Linear(channels, 4 * channels))),
       mlp_out_(register_module("mlp_out", nn::Linear(4 * channels, channels))) {}
 
-Tensor FusionBlockImpl::attend(Tensor queries, Tensor keys, Tensor values) {
+Tensor FusionBlockImpl::attend(const Tensor& queries, const Tensor& keys, const Tensor& values) {
   // Sizes of the batch are left open, so that a recorded network (torchscript.h) takes any.
   const int64_t channels = queries.size(2), each = channels / kHeads;
   const auto heads = [&](const Tensor& x) {
@@ -133,7 +133,7 @@ Tensor FusionBlockImpl::attend(Tensor queries, Tensor keys, Tensor values) {
       .reshape({-1, queries.size(1), channels});
 }
 
-Tensor FusionBlockImpl::forward(Tensor latent, const std::vector<Tensor>& guidance) {
+Tensor FusionBlockImpl::forward(const Tensor& latent, const std::vector<Tensor>& guidance) {
   const int64_t channels = latent.size(1), height = latent.size(2), width = latent.size(3);
   std::vector<Tensor> hints;
   for (const Tensor& features : guidance) {
@@ -158,7 +158,7 @@ LatentEncoderImpl::LatentEncoderImpl(int64_t in, double width) {
                                         scaled_width(kEncoderWidths[i + 1], width), Scale::kDown));
 }
 
-std::array<Tensor, 5> LatentEncoderImpl::forward(Tensor x) {
+std::array<Tensor, 5> LatentEncoderImpl::forward(const Tensor& x) {
   std::array<Tensor, 5> features;
   features[0] = pointwise(x, stem->weight, stem->bias);
   for (int i = 0; i < 4; ++i) features[i + 1] = down[i](features[i]);
@@ -220,7 +220,7 @@ FinetuneNetImpl::FinetuneNetImpl(double width)
   }
 }
 
-Tensor FinetuneNetImpl::forward(Tensor input, Tensor maps) {
+Tensor FinetuneNetImpl::forward(Tensor input, const Tensor& maps) {
   check_input(input, 4);
   check_input(maps, 7 + rss_channels());
   input = input.contiguous(torch::MemoryFormat::ChannelsLast);

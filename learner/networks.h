@@ -50,10 +50,10 @@ TORCH_MODULE(GuidanceEncoder);
 struct FusionBlockImpl : torch::nn::Module {
   FusionBlockImpl(int64_t channels, int64_t guidance_channels);
   /// latent (B, channels, h, w); each guidance (B, guidance_channels, 2h, 2w), pooled to h x w here.
-  torch::Tensor forward(torch::Tensor latent, const std::vector<torch::Tensor>& guidance);
+  torch::Tensor forward(const torch::Tensor& latent, const std::vector<torch::Tensor>& guidance);
 
  private:
-  torch::Tensor attend(torch::Tensor queries, torch::Tensor keys, torch::Tensor values);
+  torch::Tensor attend(const torch::Tensor& queries, const torch::Tensor& keys, const torch::Tensor& values);
 
   torch::nn::LayerNorm norm_latent_{nullptr}, norm_guidance_{nullptr}, norm_self_{nullptr},
       norm_mlp_{nullptr};
@@ -66,7 +66,7 @@ TORCH_MODULE(FusionBlock);
 /// Features of the foreground at full, 1/2, 1/4, 1/8 (for skips) and 1/16 of the size.
 struct LatentEncoderImpl : torch::nn::Module {
   LatentEncoderImpl(int64_t in, double width);
-  std::array<torch::Tensor, 5> forward(torch::Tensor x);
+  std::array<torch::Tensor, 5> forward(const torch::Tensor& x);
 
   torch::nn::Conv2d stem{nullptr};
   std::array<ConvBlock, 4> down{nullptr, nullptr, nullptr, nullptr};
@@ -103,7 +103,7 @@ TORCH_MODULE(PriorNet);
 /// 3, rss 3, as the priors put them out; the output has the same ten channels.
 struct FinetuneNetImpl : torch::nn::Module {
   explicit FinetuneNetImpl(double width);
-  torch::Tensor forward(torch::Tensor input, torch::Tensor maps);
+  torch::Tensor forward(torch::Tensor input, const torch::Tensor& maps);
 
   static constexpr std::array<int64_t, 4> kChannels = {3, 1, 3, rss_channels()};
   static constexpr std::array<const char*, 4> kNames = {"normal", "displacement", "diffuse", "rss"};

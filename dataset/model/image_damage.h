@@ -1,6 +1,6 @@
 // Finds pictures that were cut off or damaged though a decoder papers over it: libjpeg fills the missing part
-// of a picture with grey, libpng prints to stderr, and OpenImageIO's TIFF reader goes on behind a strip that it
-// could not read.
+// of a picture with grey, libpng prints to stderr, and OpenImageIO's TIFF reader goes on behind a strip that
+// it could not read.
 #pragma once
 
 #include <string>

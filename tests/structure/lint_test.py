@@ -20,7 +20,7 @@ import unittest
 from pathlib import Path
 
 SECONDS = 30       # of processor time, after which no further file is begun; one takes 1 to 10
-FOLDERS = ("bake", "dataset", "renderer")
+FOLDERS = ("bake", "dataset", "renderer", "learner")
 
 
 def with_headers(root, path, seen):
