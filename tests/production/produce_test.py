@@ -202,7 +202,6 @@ class Trouble(Production):
         self.assertFalse((self.out / ".ohb/quarantine/b.txt").exists())
 
     def test_a_worker_that_is_always_killed(self):
-        self.write_plan(views=4, size=128, spp=256)
         child = self.start("--workers", "2", "--json")
         while child.poll() is None:
             for pid in self.our_workers("b"):
@@ -214,7 +213,6 @@ class Trouble(Production):
         self.assertIn('"retries": 2', output)
 
     def test_a_worker_that_stalls(self):
-        self.write_plan(views=4, size=128, spp=64)
         child = self.start("--stall", "2", "--json")
         self.wait_for(lambda: self.our_workers())
         self.kill(self.our_workers()[0], signal.SIGSTOP)

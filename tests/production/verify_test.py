@@ -122,7 +122,7 @@ class Verify(Looks):
 
 class Status(Looks):
     def test_through_a_production(self):
-        self.write_plan(views=4, size=128, spp=128)
+        self.write_plan(views=4, size=64, spp=256)
         child = self.start("--workers", "2")
         self.wait_for(lambda: (self.out / ".ohb/plan.json").exists())
         self.wait_for(lambda: self.our_workers("a"))

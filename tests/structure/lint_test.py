@@ -19,7 +19,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-SECONDS = 30       # of processor time, after which no further file is begun; one takes 1 to 10
+SECONDS = 15       # of processor time, after which no further file is begun; one takes 1 to 10
 FOLDERS = ("bake", "dataset", "renderer", "learner")
 
 
