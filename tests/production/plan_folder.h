@@ -38,9 +38,9 @@ class PlanFolder {
   std::filesystem::path folder;
 };
 
-constexpr const char* kPerson = R"(<person id="a" scan="a.obj" labels="a.txt" split="train"/>)";
-constexpr const char* kEnvironments = R"(<environments id="e" folder="env"/>)";
-constexpr const char* kViews =
+inline const std::string kPerson = R"(<person id="a" scan="a.obj" labels="a.txt" split="train"/>)";
+inline const std::string kEnvironments = R"(<environments id="e" folder="env"/>)";
+inline const std::string kViews =
     R"(<views split="train" count="3" size_px="8" spp="1"><lights from="e" count="2"/></views>)";
 
 }  // namespace ohb::production

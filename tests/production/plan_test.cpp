@@ -37,8 +37,8 @@ TEST(Plan, ReadsPeopleLightsAndViews) {
 
 TEST(Plan, AnEnvironmentMoreChangesOnlyTheSetsThatDrawIt) {
   const PlanFolder folder;
-  const std::string inside = std::string(kPerson) + kEnvironments +
-                             R"(<views split="train" count="300"><lights from="e" count="2"/></views>)";
+  const std::string inside =
+      kPerson + kEnvironments + R"(<views split="train" count="300"><lights from="e" count="2"/></views>)";
   const auto drawn = [&] {
     const Plan plan = read_plan(folder.plan(inside));
     std::vector<std::string> names;
@@ -60,7 +60,7 @@ TEST(Plan, AnEnvironmentMoreChangesOnlyTheSetsThatDrawIt) {
 
 TEST(Plan, DrawsAreEven) {
   const PlanFolder folder;
-  const Plan plan = read_plan(folder.plan(std::string(kPerson) + kEnvironments +
+  const Plan plan = read_plan(folder.plan(kPerson + kEnvironments +
                                           R"(<views split="train" count="4000"><lights from="e"/></views>)"));
   std::map<std::string, int> count;
   for (const PlannedSet& set : sets_of(plan, plan.people[0])) ++count[set.environments[0]->name];
@@ -110,8 +110,7 @@ TEST(Plan, ALibraryOfEnvironmentsIsAFolderOfThem) {
   folder.write("lib/contact_sheet.exr", "x");
   folder.write("lib/envmaps/storm.exr", "x");
   folder.write("lib/envmaps/calm.exr", "x");
-  const Plan plan =
-      read_plan(folder.plan(std::string(kPerson) + R"(<environments id="e" folder="lib"/>)" + kViews));
+  const Plan plan = read_plan(folder.plan(kPerson + R"(<environments id="e" folder="lib"/>)" + kViews));
   ASSERT_EQ(plan.pools[0].environments.size(), 2u);
   EXPECT_EQ(plan.pools[0].environments[1].name, "storm");
 }
@@ -132,21 +131,16 @@ std::string whole(const std::string& inside) {
   return "<plan schema=\"1\" name=\"t\">\n" + inside + "\n</plan>\n";
 }
 
-std::vector<Refusal> refusals() {
-  const std::string p = kPerson, e = kEnvironments, v = kViews, rest = e + v;
-  const auto person = [&](const std::string& attributes) {
-    return whole("<person " + attributes + "/>" + rest);
-  };
-  const auto views = [&](const std::string& attributes, const std::string& inside) {
-    return whole(p + e + "<views split=\"train\" " + attributes + ">" + inside + "</views>");
-  };
-  const std::string lights = R"(<lights from="e" count="2"/>)";
+const std::string kRest = kEnvironments + kViews;
+
+std::vector<Refusal> refused_files() {
   return {
       {"Empty", "", "empty"},
       {"NoXml", "hello", "XML"},
       {"CutOff", "<plan schema=\"1\"", "XML"},
       {"OtherRoot", "<scene/>", "root element"},
-      {"BillionLaughs", "<!DOCTYPE plan [<!ENTITY a \"ha\"><!ENTITY b \"&a;&a;&a;\">]>" + whole(p + rest),
+      {"BillionLaughs",
+       "<!DOCTYPE plan [<!ENTITY a \"ha\"><!ENTITY b \"&a;&a;&a;\">]>" + whole(kPerson + kRest),
        "document type"},
       {"Deep",
        [] {
@@ -158,79 +152,106 @@ std::vector<Refusal> refusals() {
       {"NewerSchema", "<plan schema=\"2\" name=\"t\"/>", "schema=\"2\""},
       {"NoSchema", "<plan name=\"t\"/>", "schema"},
       {"UnknownAttribute",
-       whole("<person id=\"a\" scan=\"a.obj\" labels=\"a.txt\" split=\"train\" hat=\"1\"/>" + rest),
+       whole("<person id=\"a\" scan=\"a.obj\" labels=\"a.txt\" split=\"train\" hat=\"1\"/>" + kRest),
        "line 2: <person> has an unknown attribute 'hat'"},
-      {"UnknownElement", whole(p + rest + "<camera/>"), "<camera> is not known"},
-      {"Text", whole(p + rest + "hello"), "text inside <plan>"},
-      {"TwiceTheAttribute", "<plan schema=\"1\" schema=\"1\" name=\"t\">" + p + rest + "</plan>",
+      {"UnknownElement", whole(kPerson + kRest + "<camera/>"), "<camera> is not known"},
+      {"Text", whole(kPerson + kRest + "hello"), "text inside <plan>"},
+      {"TwiceTheAttribute", "<plan schema=\"1\" schema=\"1\" name=\"t\">" + kPerson + kRest + "</plan>",
        "occurs twice"},
-      {"DuplicateId", whole(p + p + rest), "a second person 'a'"},
-      {"DuplicateIdOfOtherCase",
-       whole(p + R"(<person id="A" scan="a.obj" labels="a.txt" split="train"/>)" + rest),
-       "a second person 'A'"},
-      {"EscapeUp", person(R"(id="../../a" scan="a.obj" labels="a.txt" split="train")"),
-       "cannot name a folder"},
-      {"EscapeAbsolute", person(R"(id="/etc" scan="a.obj" labels="a.txt" split="train")"),
-       "cannot name a folder"},
-      {"HiddenId", person(R"(id=".ohb" scan="a.obj" labels="a.txt" split="train")"), "cannot name a folder"},
-      {"LongId", person("id=\"" + std::string(65, 'a') + R"(" scan="a.obj" labels="a.txt" split="train")"),
-       "cannot name a folder"},
-      {"MissingScan", person(R"(id="a" scan="gone.obj" labels="a.txt" split="train")"), "does not exist"},
-      {"ScanIsFolder", person(R"(id="a" scan="env" labels="a.txt" split="train")"), "is no file"},
-      {"NoLabels", person(R"(id="a" scan="a.obj" split="train")"), "neither labels nor regions"},
-      {"LabelsAndRegions", person(R"(id="a" scan="a.obj" labels="a.txt" regions="env" split="train")"),
-       "both labels and regions"},
-      {"UnknownSplit", person(R"(id="a" scan="a.obj" labels="a.txt" split="training")"),
-       "split=\"training\""},
-      {"UnknownUnit", person(R"(id="a" scan="a.obj" labels="a.txt" split="train" unit="ell")"),
-       "unit=\"ell\""},
-      {"OldAge", person(R"(id="a" scan="a.obj" labels="a.txt" split="train" age="900")"), "age=\"900\""},
-      {"Nobody", whole(rest), "no people"},
-      {"EmptyFolder", whole(R"(<people folder="empty" split="train"/>)" + rest), "holds nobody"},
-      {"ShareAboveOne", whole(R"(<people folder="people" split="hash" train="1.5"/>)" + rest),
-       "train=\"1.5\""},
-      {"SharesAboveOne", whole(R"(<people folder="people" split="hash" train="0.9" val="0.2"/>)" + rest),
-       "above 1"},
-      {"ShareIsNoNumber", whole(R"(<people folder="people" split="hash" train="nan"/>)" + rest), "no number"},
-      {"PatternWithoutId", whole(R"(<people folder="people" split="train" scan="scan.obj"/>)" + rest),
-       "{id}"},
-      {"PersonWithoutLabels",
-       whole(R"(<people folder="people" split="train" labels="{id}/none.txt"/>)" + rest), "has no"},
-      {"NoEnvironments", whole(p + R"(<environments id="e" folder="empty"/>)" + v), "holds no environment"},
-      {"NoSuchFolder", whole(p + R"(<environments id="e" folder="gone"/>)" + v), "does not exist"},
-      {"OneNameTwice", whole(p + e + R"(<environments id="f" folder="more"/>)" + v), "have one name"},
-      {"TwoPoolsOfOneId", whole(p + e + e + v), "a second <environments"},
-      {"UnknownPool", views("", R"(<lights from="f"/>)"), "is the id of no"},
-      {"TooManyLights", views("", R"(<lights from="e" count="5"/>)"), "5 different environments"},
-      {"TwoDraws", views("", lights + lights), "a second draw"},
-      {"NoLight", views("", ""), "no light"},
-      {"NoViews", whole(p + e), "which has no views"},
-      {"ViewsTwice", whole(p + rest + v), "a second <views"},
-      {"ZeroViews", views("count=\"0\"", lights), "below 1"},
-      {"HugeViews", views("count=\"90000\" repeat=\"90000\"", lights), "above 100000"},
-      {"SizeIsNegative", views("size_px=\"-1\"", lights), "size_px=\"-1\""},
-      {"SizeOverflows", views("size_px=\"99999999999999999999\"", lights), "size_px"},
-      {"SppAndError", views("spp=\"4\" error=\"0.1\"", lights), "both spp and error"},
-      {"MaxSppAlone", views("max_spp=\"64\"", lights), "max_spp"},
-      {"UnknownSubsurface", views("subsurface=\"deep\"", lights), "subsurface=\"deep\""},
-      {"PointFarAway", views("", R"(<point x_cm="1e9" y_cm="0" z_cm="0" intensity="1"/>)"), "x_cm=\"1e9\""},
-      {"PointHoldsMore", views("", R"(<point x_cm="1" y_cm="0" z_cm="0" intensity="1"><lights/></point>)"),
-       "<lights> is not known inside <point>"},
-      {"MapsLargerThanBakeMakes", whole("<maps size_px=\"8193\"/>" + p + rest), "size_px=\"8193\""},
-      {"TwoRoots", whole(p + rest) + whole(p + rest),
+      {"MapsLargerThanBakeMakes", whole("<maps size_px=\"8193\"/>" + kPerson + kRest), "size_px=\"8193\""},
+      {"TwoRoots", whole(kPerson + kRest) + whole(kPerson + kRest),
        "line 4: not well-formed XML: a second root element, <plan>"},
-      {"TextAfterTheRoot", whole(p + rest) + "hello", "not well-formed XML: text outside of the root"},
+      {"TextAfterTheRoot", whole(kPerson + kRest) + "hello", "not well-formed XML: text outside of the root"},
       {"OnlyAComment", "<!-- plan -->", "not well-formed XML"},
       {"MaterialsLackAClass",
-       whole(p + rest +
+       whole(kPerson + kRest +
              "<materials specular_encoding=\"srgb-f0\" roughness_encoding=\"perceptual\" "
              "sss_encoding=\"weight-1.0-0.2-0.1-cm\"/>"),
        "no material for class"},
       {"OtherEncoding",
-       whole(p + rest +
+       whole(kPerson + kRest +
              "<materials specular_encoding=\"linear\" roughness_encoding=\"perceptual\" "
              "sss_encoding=\"weight-1.0-0.2-0.1-cm\"/>"),
        "specular_encoding"},
+  };
+}
+
+std::string with_person(const std::string& attributes) {
+  return whole("<person " + attributes + "/>" + kRest);
+}
+
+std::vector<Refusal> refused_people() {
+  return {
+      {"DuplicateId", whole(kPerson + kPerson + kRest), "a second person 'a'"},
+      {"DuplicateIdOfOtherCase",
+       whole(kPerson + R"(<person id="A" scan="a.obj" labels="a.txt" split="train"/>)" + kRest),
+       "a second person 'A'"},
+      {"EscapeUp", with_person(R"(id="../../a" scan="a.obj" labels="a.txt" split="train")"),
+       "cannot name a folder"},
+      {"EscapeAbsolute", with_person(R"(id="/etc" scan="a.obj" labels="a.txt" split="train")"),
+       "cannot name a folder"},
+      {"HiddenId", with_person(R"(id=".ohb" scan="a.obj" labels="a.txt" split="train")"),
+       "cannot name a folder"},
+      {"LongId",
+       with_person("id=\"" + std::string(65, 'a') + R"(" scan="a.obj" labels="a.txt" split="train")"),
+       "cannot name a folder"},
+      {"MissingScan", with_person(R"(id="a" scan="gone.obj" labels="a.txt" split="train")"),
+       "does not exist"},
+      {"ScanIsFolder", with_person(R"(id="a" scan="env" labels="a.txt" split="train")"), "is no file"},
+      {"NoLabels", with_person(R"(id="a" scan="a.obj" split="train")"), "neither labels nor regions"},
+      {"LabelsAndRegions", with_person(R"(id="a" scan="a.obj" labels="a.txt" regions="env" split="train")"),
+       "both labels and regions"},
+      {"UnknownSplit", with_person(R"(id="a" scan="a.obj" labels="a.txt" split="training")"),
+       "split=\"training\""},
+      {"UnknownUnit", with_person(R"(id="a" scan="a.obj" labels="a.txt" split="train" unit="ell")"),
+       "unit=\"ell\""},
+      {"OldAge", with_person(R"(id="a" scan="a.obj" labels="a.txt" split="train" age="900")"), "age=\"900\""},
+      {"Nobody", whole(kRest), "no people"},
+      {"EmptyFolder", whole(R"(<people folder="empty" split="train"/>)" + kRest), "holds nobody"},
+      {"ShareAboveOne", whole(R"(<people folder="people" split="hash" train="1.5"/>)" + kRest),
+       "train=\"1.5\""},
+      {"SharesAboveOne", whole(R"(<people folder="people" split="hash" train="0.9" val="0.2"/>)" + kRest),
+       "above 1"},
+      {"ShareIsNoNumber", whole(R"(<people folder="people" split="hash" train="nan"/>)" + kRest),
+       "no number"},
+      {"PatternWithoutId", whole(R"(<people folder="people" split="train" scan="scan.obj"/>)" + kRest),
+       "{id}"},
+      {"PersonWithoutLabels",
+       whole(R"(<people folder="people" split="train" labels="{id}/none.txt"/>)" + kRest), "has no"},
+  };
+}
+
+std::string with_views(const std::string& attributes, const std::string& inside) {
+  return whole(kPerson + kEnvironments + "<views split=\"train\" " + attributes + ">" + inside + "</views>");
+}
+
+std::vector<Refusal> refused_environments_and_views() {
+  const std::string lights = R"(<lights from="e" count="2"/>)";
+  return {
+      {"NoEnvironments", whole(kPerson + R"(<environments id="e" folder="empty"/>)" + kViews),
+       "holds no environment"},
+      {"NoSuchFolder", whole(kPerson + R"(<environments id="e" folder="gone"/>)" + kViews), "does not exist"},
+      {"OneNameTwice", whole(kPerson + kEnvironments + R"(<environments id="f" folder="more"/>)" + kViews),
+       "have one name"},
+      {"TwoPoolsOfOneId", whole(kPerson + kEnvironments + kEnvironments + kViews), "a second <environments"},
+      {"UnknownPool", with_views("", R"(<lights from="f"/>)"), "is the id of no"},
+      {"TooManyLights", with_views("", R"(<lights from="e" count="5"/>)"), "5 different environments"},
+      {"TwoDraws", with_views("", lights + lights), "a second draw"},
+      {"NoLight", with_views("", ""), "no light"},
+      {"NoViews", whole(kPerson + kEnvironments), "which has no views"},
+      {"ViewsTwice", whole(kPerson + kRest + kViews), "a second <views"},
+      {"ZeroViews", with_views("count=\"0\"", lights), "below 1"},
+      {"HugeViews", with_views("count=\"90000\" repeat=\"90000\"", lights), "above 100000"},
+      {"SizeIsNegative", with_views("size_px=\"-1\"", lights), "size_px=\"-1\""},
+      {"SizeOverflows", with_views("size_px=\"99999999999999999999\"", lights), "size_px"},
+      {"SppAndError", with_views("spp=\"4\" error=\"0.1\"", lights), "both spp and error"},
+      {"MaxSppAlone", with_views("max_spp=\"64\"", lights), "max_spp"},
+      {"UnknownSubsurface", with_views("subsurface=\"deep\"", lights), "subsurface=\"deep\""},
+      {"PointFarAway", with_views("", R"(<point x_cm="1e9" y_cm="0" z_cm="0" intensity="1"/>)"),
+       "x_cm=\"1e9\""},
+      {"PointHoldsMore",
+       with_views("", R"(<point x_cm="1" y_cm="0" z_cm="0" intensity="1"><lights/></point>)"),
+       "<lights> is not known inside <point>"},
   };
 }
 
@@ -251,8 +272,12 @@ TEST_P(RefusedPlan, InOneLineWithFileAndMend) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Plan, RefusedPlan, testing::ValuesIn(refusals()),
-                         [](const auto& parameter) { return std::string(parameter.param.name); });
+std::string name_of(const testing::TestParamInfo<Refusal>& parameter) {
+  return parameter.param.name;
+}
+INSTANTIATE_TEST_SUITE_P(File, RefusedPlan, testing::ValuesIn(refused_files()), name_of);
+INSTANTIATE_TEST_SUITE_P(People, RefusedPlan, testing::ValuesIn(refused_people()), name_of);
+INSTANTIATE_TEST_SUITE_P(Views, RefusedPlan, testing::ValuesIn(refused_environments_and_views()), name_of);
 
 }  // namespace
 }  // namespace ohb::production
