@@ -13,14 +13,13 @@
 namespace ohb::renderer {
 
 constexpr float kCandidatesWorth = 3;  // in directions of the BSDF's own, measured; any value is unbiased
-// The first surface that the camera sees sends several rays on, which share the way to it: so many under a
-// single environment, at rough surfaces, at those with narrow highlights, which find them by reflections, and
-// where walks go under the surface. Measured.
-constexpr int kRoughGroups = 4, kNarrowGroups = 2, kWalkGroups = 2;  // of candidates
-constexpr int kPicks = 2;                                            // shadow rays to each of them
+// The first surface that the camera sees sends several rays on, which share the way to it: so many at rough
+// surfaces, at those with narrow highlights, which find them by reflections, and where walks go under the
+// surface. Measured.
+constexpr int kRoughGroups = 4, kNarrowGroups = 2, kWalkGroups = 2;  // of candidates of each environment
+constexpr int kPicks = 2, kPicksOfMany = 1;                          // shadow rays to each of them
 constexpr int kRoughReflections = 3, kNarrowReflections = 4, kWalkReflections = 4;
-constexpr int kRoughReflectionsOfMany = 2;
-constexpr int kWalks = 12, kLeastWalks = 8;
+constexpr int kWalks = 12;
 constexpr int kRouletteFromBounce = 2;  // Cycles: the continuation test starts at the third surface
 
 /// Point k of a lattice of n that is shifted by u.
@@ -82,7 +81,7 @@ struct WalkingPath {
 
 /// What the paths of one tile share, and what they did.
 struct Tile {
-  std::vector<LightPool> pools;       // one an environment
+  const LightPool* pools = nullptr;   // one an environment
   std::vector<WaitingLight> waiting;  // of the pixel at work
   std::vector<PathState> next;        // rays of the pixel at work that are to be traced
   std::vector<PathState> wave;        // that are at their surfaces
@@ -130,16 +129,13 @@ struct Split {
   Split without_reflections() const {
     return {groups, picks, 0, walks, std::numeric_limits<float>::infinity()};
   }
-  /// At the first surface. Each further light makes shadow rays dearer against what they share.
+  /// At the first surface.
   static Split of_first(size_t environments, bool is_rough, bool walks_under) {
-    const int shared = environments <= 1 ? 1 : environments <= 3 ? 2 : 4;
     Split split;
     split.groups = walks_under ? kWalkGroups : is_rough ? kRoughGroups : kNarrowGroups;
-    split.groups = std::max(1, split.groups / shared);
-    split.picks = environments <= 1 ? kPicks : 1;
+    split.picks = environments <= 1 ? kPicks : kPicksOfMany;
     split.reflections = walks_under ? kWalkReflections : is_rough ? kRoughReflections : kNarrowReflections;
-    if (is_rough && !walks_under && environments > 3) split.reflections = kRoughReflectionsOfMany;
-    split.walks = std::max(kLeastWalks, kWalks / shared);
+    split.walks = kWalks;
     split.worth *= static_cast<float>(split.groups * split.picks) / static_cast<float>(split.reflections);
     return split;
   }

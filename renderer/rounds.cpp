@@ -10,6 +10,7 @@
 
 #include "dataset/model/parallel.h"
 #include "renderer/footprint.h"
+#include "renderer/light_pools.h"
 #include "renderer/waves.h"
 
 namespace ohb::renderer {
@@ -18,24 +19,7 @@ namespace {
 constexpr int kTile_px = 16;
 constexpr size_t kPathsAtOnce = 32;  // of a pixel
 constexpr float kWorkOfPath = 6;     // besides its rays, in rays (measured)
-constexpr uint64_t kPilotSeeds = 0x70696c6f74ull, kPoolSeeds = 0x706f6f6cull;
-
-/// Consecutive samples that share a pool of light candidates: 1, 1, 2, 4, ... 64, 64, ... of them, whatever
-/// budget they belong to.
-struct PoolBlock {
-  uint32_t first, end;
-  int log2;  // 2^log2 candidates
-  static PoolBlock around(uint32_t sample, size_t environments) {
-    // What a path's own question to one of many environments takes is less.
-    const int log2 = environments <= 1 ? kPoolLog2 : kPoolLog2OfMany;
-    if (sample == 0) return {0, 1, log2};
-    if (sample >= kLargest) return {sample & ~(kLargest - 1), (sample | (kLargest - 1)) + 1, log2 + 6};
-    const int bits = 31 - __builtin_clz(sample);
-    return {1u << bits, 2u << bits, log2 + bits};
-  }
-  static constexpr uint32_t kLargest = 64;
-  static constexpr int kPoolLog2 = 5, kPoolLog2OfMany = 4;  // candidates a sample, measured
-};
+constexpr uint64_t kPilotSeeds = 0x70696c6f74ull;
 
 /// The guesses of one tile, one a block of pixels; by class, one a class of them.
 class Guesses {
@@ -54,27 +38,36 @@ class Guesses {
   std::vector<ShadowGuess> guesses_;
 };
 
-/// Pixels of one tile: aligned to the image, so that a crop does not change who shares a pool or a guess.
+/// Pixels of one tile: aligned to the image, so that a crop does not change who shares a guess.
 struct TileBox {
   PixelBox pixels;
-  uint64_t number;
+  TilePlace first;
+};
+
+/// What the tiles of one round share.
+struct Job {
+  const Picture& picture;
+  const PathRange& paths;
+  LightPools& pools;
+  std::vector<SampleLight>& images;
+  std::vector<float>* work;  // null: not asked for
 };
 
 /// The paths of one tile, block of samples after block: those of a block share the candidates of the lights.
 template <bool kCutouts, class Bsdf>
 class TileRenderer {
  public:
-  TileRenderer(const Picture& picture, const PathRange& paths, const TileBox& box, std::vector<float>* work)
-      : picture_(picture),
-        paths_(paths),
+  TileRenderer(const Job& job, const TileBox& box)
+      : picture_(job.picture),
+        paths_(job.paths),
+        pools_(job.pools),
         box_(box),
-        work_(work),
-        lights_(picture.context.lights.size()),
-        guesses_(paths.by_class) {
+        work_(job.work),
+        lights_(picture_.context.lights.size()),
+        guesses_(paths_.by_class) {
     const PixelBox& px = box.pixels;
     sums_.resize(static_cast<size_t>(px.x1 - px.x0) * (px.y1 - px.y0) * lights_);
     samplers_.reserve(kPathsAtOnce);
-    tile.pools.resize(picture.context.lights.environments.size());
   }
 
   void render() {
@@ -84,9 +77,9 @@ class TileRenderer {
       if (first < last) next = std::min(next, first), end = std::max(end, last);
     });
     while (next < end) {
-      const PoolBlock block = PoolBlock::around(next, tile.pools.size());
+      const PoolBlock block = PoolBlock::around(next);
       for (int turn = 0; turn < (paths_.by_class ? kPixelClasses : 1); ++turn) {
-        fill_pools(block, turn);
+        tile.pools = pools_.at(block, turn, box_.first, own_pools_).data();
         each_pixel([&](int x, int y, Vec3f* sum) {
           if (!paths_.by_class || pixel_class(x, y) == turn) trace_pixel(x, y, block, sum);
         });
@@ -129,16 +122,6 @@ class TileRenderer {
       for (int x = px.x0; x < px.x1; ++x, i += lights_) act(x, y, &sums_[i]);
   }
 
-  void fill_pools(const PoolBlock& block, int pixel_class) {
-    const uint64_t key = mix_bits(paths_.seed ^ (kPoolSeeds + (static_cast<uint64_t>(pixel_class) << 32)));
-    const bool with_cells = picture_.settings.guess_shadows;
-    const int columns_log2 = std::max(3, (block.log2 + 1) / 2);
-    const int rows_log2 = std::min(block.log2 / 2, block.log2 - 3);
-    for (size_t l = 0; l < tile.pools.size(); ++l)
-      tile.pools[l].fill(picture_.context.lights.environments[l], picture_.context.turn_rad, columns_log2,
-                         rows_log2, mix_bits(key + box_.number) + block.first, with_cells);
-  }
-
   /// Those of a pixel's paths that belong to a block.
   void trace_pixel(int x, int y, const PoolBlock& block, Vec3f* radiance) {
     const auto [first, last] = samples_of(x, y);
@@ -165,33 +148,31 @@ class TileRenderer {
 
   const Picture& picture_;
   const PathRange& paths_;
+  LightPools& pools_;
   const TileBox& box_;
   std::vector<float>* work_;
   size_t lights_;
+  std::vector<LightPool> own_pools_;
   std::vector<Vec3f> sums_;  // one a pixel and light
   Guesses guesses_;
   std::vector<PathSampler> samplers_;  // of the paths at work
 };
 
 template <bool kCutouts, class Bsdf>
-Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& box,
-                 std::vector<SampleLight>& images, std::vector<float>* work,
-                 std::vector<RecordedRay>* record) {
-  TileRenderer<kCutouts, Bsdf> renderer(picture, paths, box, work);
+Tile render_tile(const Job& job, const TileBox& box, std::vector<RecordedRay>* record) {
+  TileRenderer<kCutouts, Bsdf> renderer(job, box);
   renderer.tile.rays.record = record;
   renderer.render();
-  renderer.write(images);
+  renderer.write(job.images);
   return std::move(renderer.tile);
 }
 
-Tile render_tile(const Picture& picture, const PathRange& paths, const TileBox& box,
-                 std::vector<SampleLight>& images, std::vector<float>* work,
-                 std::vector<RecordedRay>* record) {
-  const bool cutouts = picture.context.scene.cutout != nullptr;
-  const auto render = picture.settings.shading == ShadingModel::kV1
+Tile render_tile(const Job& job, const TileBox& box, std::vector<RecordedRay>* record) {
+  const bool cutouts = job.picture.context.scene.cutout != nullptr;
+  const auto render = job.picture.settings.shading == ShadingModel::kV1
                           ? (cutouts ? render_tile<true, PrincipledV1> : render_tile<false, PrincipledV1>)
                           : (cutouts ? render_tile<true, PrincipledV2> : render_tile<false, PrincipledV2>);
-  return render(picture, paths, box, images, work, record);
+  return render(job, box, record);
 }
 
 std::vector<SampleLight> black_images(const LightSet& lights, int size_px) {
@@ -219,7 +200,7 @@ std::vector<TileBox> tiles_of(const PixelBox& box, const std::vector<uint32_t>& 
     for (int x = box.x0 / kTile_px * kTile_px; x < box.x1; x += kTile_px)
       tiles.push_back({{std::max(x, box.x0), std::max(y, box.y0), std::min(x + kTile_px, box.x1),
                         std::min(y + kTile_px, box.y1)},
-                       static_cast<uint64_t>(y) << 32 | static_cast<uint64_t>(x)});
+                       {x, y}});
   const auto paths_in = [&](const PixelBox& px) {
     uint64_t sum = 0;
     for (int y = px.y0; y < px.y1; ++y)
@@ -277,6 +258,9 @@ std::vector<SampleLight> render_round(const Picture& picture, const PathRange& p
                                       RenderStatistics& statistics, const PixelsDone& done,
                                       std::vector<float>* work) {
   std::vector<SampleLight> images = black_images(picture.context.lights, picture.settings.size_px);
+  LightPools pools(picture.context.lights, picture.context.turn_rad, paths.seed,
+                   picture.settings.guess_shadows);
+  const Job job{picture, paths, pools, images, work};
   TileSums sums;
   const std::vector<TileBox> tiles =
       tiles_of(whole_blocks(picture.box, picture.settings.size_px), paths.count, picture.settings.size_px);
@@ -288,7 +272,7 @@ std::vector<SampleLight> render_round(const Picture& picture, const PathRange& p
     _MM_SET_DENORMALS_ZERO_MODE(_MM_DENORMALS_ZERO_ON);
     std::vector<RecordedRay> recorded;
     std::vector<RecordedRay>* record = statistics.record ? &recorded : nullptr;
-    const Tile tile = render_tile(picture, paths, tiles[t], images, work, record);
+    const Tile tile = render_tile(job, tiles[t], record);
     sums.add(tile, recorded, statistics);
     const PixelBox& px = tiles[t].pixels;
     if (done) done(static_cast<size_t>(px.x1 - px.x0) * (px.y1 - px.y0));
