@@ -37,8 +37,8 @@ class LightPools {
   LightPools(const LightSet& lights, double turn_rad, uint64_t seed, bool with_cells);
 
   /// One pool an environment, for pixels of a class (0 where classes share): the picture's, which lives as
-  /// long as this does and is filled by the thread that asks first, or `own`, filled for the tile of that
-  /// number. What they hold is a function of the arguments and of the seed.
+  /// long as this does and is filled by the thread that asks first, or `own`, filled for that tile. What they
+  /// hold is a function of the arguments and of the seed.
   const std::vector<LightPool>& at(const PoolBlock& block, int pixel_class, const TilePlace& tile,
                                    std::vector<LightPool>& own);
 

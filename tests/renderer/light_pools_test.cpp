@@ -6,19 +6,11 @@
 #include <cmath>
 
 #include "renderer/render.h"
-#include "tests/support/test_models.h"
+#include "sky_with_sun.h"
 
 namespace ohb {
 using namespace renderer;
 namespace {
-
-Environment with_sun(float sun) {
-  Environment environment;
-  environment.name = "sun";
-  environment.radiance = constant_radiance({0.3f, 0.4f, 0.5f}, 32);
-  for (int c = 0; c < 3; ++c) environment.radiance.pixel(44, 9)[c] = sun;
-  return environment;
-}
 
 /// Radiance over pdf of the green channel, in the mean over all candidates of a pool.
 double irradiance_of(const LightPool& pool) {
@@ -32,7 +24,7 @@ double irradiance_of(const LightPool& pool) {
 
 class LightPoolsTest : public ::testing::Test {
  protected:
-  const std::shared_ptr<const LightSet> lights_ = prepare_lights({with_sun(300), with_sun(20)}, {});
+  const std::shared_ptr<const LightSet> lights_ = prepare_lights({sky_with_sun(300), sky_with_sun(20)}, {});
   std::vector<LightPool> own_;
 
   LightPools pools(uint64_t seed = 1) const { return {*lights_, 0.3, seed, true}; }
@@ -77,11 +69,11 @@ TEST_F(LightPoolsTest, TilesHaveTheirOwnFarOn) {
 }
 
 TEST_F(LightPoolsTest, ManyEnvironmentsDoNotFillTheMemory) {
-  const auto some = prepare_lights(std::vector<Environment>(9, with_sun(300)), {});
+  const auto some = prepare_lights(std::vector<Environment>(9, sky_with_sun(300)), {});
   LightPools nine(*some, 0, 1, true);
   EXPECT_EQ(first(nine, 20, 0, {0, 0}), first(nine, 20, 0, {256, 0})) << "one set for all regions";
   EXPECT_TRUE(own_.empty());
-  const auto many = prepare_lights(std::vector<Environment>(33, with_sun(300)), {});
+  const auto many = prepare_lights(std::vector<Environment>(33, sky_with_sun(300)), {});
   LightPools each(*many, 0, 1, true);
   EXPECT_NE(first(each, 20, 0, {0, 0}), first(each, 20, 0, {16, 0})) << "each tile its own";
   EXPECT_EQ(own_.size(), 33u);
@@ -116,7 +108,7 @@ TEST_F(LightPoolsTest, HoldTheLightsIrradiance) {
 /// Standard deviation over the seeds of a picture's mean, relative.
 double error_of_mean(const Model& model, int spp, int seeds) {
   const auto scene = build_scene(model);
-  const auto lights = prepare_lights({with_sun(300)}, {});
+  const auto lights = prepare_lights({sky_with_sun(300)}, {});
   RenderSettings settings;
   settings.size_px = 8;
   settings.spp = spp;

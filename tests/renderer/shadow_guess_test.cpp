@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "renderer/render.h"
-#include "tests/support/test_models.h"
+#include "sky_with_sun.h"
 
 namespace ohb {
 using namespace renderer;
@@ -38,14 +38,6 @@ TEST(ShadowGuess, IsNeverCertainAndDoubtsLessTheMoreItSaw) {
   EXPECT_GT(some.doubt[3], 0);
   EXPECT_LT(some.doubt[3], some.doubt[1]);
   EXPECT_FLOAT_EQ(some.doubt[0], 0.5f);
-}
-
-Environment sunny(float sun) {
-  Environment environment;
-  environment.name = "sunny";
-  environment.radiance = constant_radiance({0.3f, 0.4f, 0.5f}, 32);
-  for (int c = 0; c < 3; ++c) environment.radiance.pixel(44, 9)[c] = sun;
-  return environment;
 }
 
 /// A wall behind bars: where bars are narrow against four pixels, what one pixel finds says little of the
@@ -94,7 +86,7 @@ struct Stacks {
 
 Stacks render_both(const Model& model, RenderSettings settings, int images, float sun = 300) {
   const auto scene = build_scene(model);
-  const auto lights = prepare_lights({sunny(sun)}, {});
+  const auto lights = prepare_lights({sky_with_sun(sun)}, {});
   Stacks stacks;
   for (int k = 0; k < images; ++k)
     for (const bool guesses : {true, false}) {
@@ -206,7 +198,7 @@ TEST(ShadowGuess, WhereItKnowsNothingItDoesNoHarm) {
 TEST(ShadowGuess, ACropIsThosePixels) {
   const Model model = barred_wall(8, 5, constant_set({}));
   const auto scene = build_scene(model);
-  const auto lights = prepare_lights({sunny(300)}, {});
+  const auto lights = prepare_lights({sky_with_sun(300)}, {});
   RenderSettings settings = small();
   const Camera camera = fit_camera(model.positions_cm);
   const Image whole = render_lights({*scene, *lights, camera, 0}, settings)[0].radiance;
