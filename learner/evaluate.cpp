@@ -136,7 +136,7 @@ class Evaluation {
     const auto put = [&](Row row, const MaterialMaps& maps) {
       Scores scores = scores_of(maps, e.truth, e.mask);
       const Measures measures = measures_of(maps, e.truth, e.mask);
-      // The picture of maps that are not all there: the shader takes NaN for dark.
+      // There is no picture of maps that are not all there.
       if (row == kPriors && !estimator_.is_whole()) scores.back() = {std::nan(""), std::nan("")};
       sums_[e.person][row].add(scores, measures);
       if (row == (estimator_.has_finetune() ? kFinetuned : kPriors)) by_light_[light].add(scores, measures);

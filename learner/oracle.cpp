@@ -10,7 +10,7 @@ using torch::Tensor;
 
 /// Planes that broadcast to (B, L, H, W).
 struct Fields {
-  Tensor nx, ny, nz, z, roughness, f0, sss, u, v;
+  Tensor nx, ny, nz, z, roughness, f0, sss;
 };
 
 Tensor plane(const Tensor& map, int64_t channel) {
@@ -19,9 +19,6 @@ Tensor plane(const Tensor& map, int64_t channel) {
 
 Fields fields_of(const MaterialMaps& maps, const shading::Options& options) {
   const Tensor n = unit_normals(maps.normal);
-  const int64_t height = n.size(2), width = n.size(3);
-  const Tensor columns = torch::arange(width, n.options().requires_grad(false));
-  const Tensor rows = torch::arange(height, n.options().requires_grad(false));
   Fields f;
   f.nx = plane(n, 0);
   f.ny = plane(n, 1);
@@ -30,16 +27,15 @@ Fields fields_of(const MaterialMaps& maps, const shading::Options& options) {
   f.roughness = maps.roughness.clamp_min(options.min_roughness);
   f.f0 = f0_map(maps.specular, options.specular);
   f.sss = maps.sss;
-  f.u = ((columns + 0.5) * (2.0 / width) - 1).view({1, 1, 1, width});
-  f.v = ((0.5 * height - rows - 0.5) * (2.0 / width)).view({1, 1, height, 1});
   return f;
 }
 
 Tensor light_column(const std::vector<shading::Light<double>>& lights, double shading::Light<double>::*member,
                     const Tensor& like) {
   std::vector<double> values;
+  values.reserve(lights.size());
   for (const auto& light : lights) values.push_back(light.*member);
-  return torch::tensor(values, torch::kDouble).to(like.scalar_type()).view({1, -1, 1, 1});
+  return torch::tensor(values, torch::kDouble).to(like.scalar_type()).to(like.device()).view({1, -1, 1, 1});
 }
 
 Tensor masking(const Tensor& cosine, const Tensor& a2) {
@@ -63,12 +59,27 @@ Tensor f0_map(const Tensor& specular, shading::SpecularEncoding encoding) {
   return torch::where(s <= 0.04045, s / 12.92, torch::pow((s + 0.055) / 1.055, 2.4));
 }
 
+PixelPlaces places_of(const Tensor& columns, const Tensor& rows, int64_t width_px, int64_t height_px) {
+  const double pixel = 2.0 / static_cast<double>(width_px);
+  return {(columns + 0.5) * pixel - 1, (0.5 * static_cast<double>(height_px) - rows - 0.5) * pixel};
+}
+
 Tensor render_maps(const MaterialMaps& maps, const std::vector<shading::Light<double>>& lights,
                    const shading::Options& options) {
+  const int64_t height = maps.normal.size(2), width = maps.normal.size(3);
+  const auto plain = maps.normal.options().requires_grad(false);
+  return render_pixels(maps,
+                       places_of(torch::arange(width, plain).view({1, 1, 1, width}),
+                                 torch::arange(height, plain).view({1, 1, height, 1}), width, height),
+                       lights, options);
+}
+
+Tensor render_pixels(const MaterialMaps& maps, const PixelPlaces& places,
+                     const std::vector<shading::Light<double>>& lights, const shading::Options& options) {
   using Column = shading::Light<double>;
   const Fields f = fields_of(maps, options);
-  const Tensor x = light_column(lights, &Column::x, f.nx) - f.u;
-  const Tensor y = light_column(lights, &Column::y, f.nx) - f.v;
+  const Tensor x = light_column(lights, &Column::x, f.nx) - places.u;
+  const Tensor y = light_column(lights, &Column::y, f.nx) - places.v;
   const Tensor z = light_column(lights, &Column::z, f.nx) - f.z;
   const Tensor squared = (x * x + y * y + z * z).clamp_min(kMinCosine);
   const Tensor irradiance = light_column(lights, &Column::intensity, f.nx) / squared;
@@ -77,7 +88,8 @@ Tensor render_maps(const MaterialMaps& maps, const std::vector<shading::Light<do
   const Tensor inv_half = torch::rsqrt((2 + 2 * lz).clamp_min(1e-8));
   const Tensor hx = lx * inv_half, hy = ly * inv_half, hz = (lz + 1) * inv_half;
   const Tensor nl_raw = f.nx * lx + f.ny * ly + f.nz * lz;
-  const Tensor lit = (nl_raw > kMinCosine) & (f.nz > kMinCosine);
+  // NaN is lit, so that it shows.
+  const Tensor lit = ((nl_raw <= kMinCosine) | (f.nz <= kMinCosine)).logical_not();
   const Tensor nl = nl_raw.clamp_min(kMinCosine), nv = f.nz.clamp_min(kMinCosine);
   const Tensor nh = f.nx * hx + f.ny * hy + f.nz * hz;
   const Tensor lh = lx * hx + ly * hy + lz * hz;
@@ -103,6 +115,10 @@ Tensor render_maps(const MaterialMaps& maps, const std::vector<shading::Light<do
   return torch::where(lit.unsqueeze(2), radiance, torch::zeros_like(radiance));
 }
 
+Tensor radiance_difference(const Tensor& mine, const Tensor& wanted, const shading::Options& options) {
+  return (options.log_domain ? torch::log1p(mine) - torch::log1p(wanted) : mine - wanted).abs();
+}
+
 Tensor oracle_rendering_loss(const MaterialMaps& prediction, const MaterialMaps& truth, const Tensor& mask,
                              const std::vector<shading::Light<double>>& lights,
                              const shading::Options& options) {
@@ -111,8 +127,8 @@ Tensor oracle_rendering_loss(const MaterialMaps& prediction, const MaterialMaps&
   if (count == 0) return torch::zeros({}, prediction.normal.options().requires_grad(false));
   const Tensor mine = render_maps(prediction, lights, options);
   const Tensor wanted = render_maps(truth, lights, options);
-  const Tensor difference = options.log_domain ? torch::log1p(mine) - torch::log1p(wanted) : mine - wanted;
-  const Tensor counted = torch::where(foreground, difference.abs(), torch::zeros_like(difference));
+  const Tensor difference = radiance_difference(mine, wanted, options);
+  const Tensor counted = torch::where(foreground, difference, torch::zeros_like(difference));
   return counted.sum() / static_cast<double>(count * 3 * static_cast<int64_t>(lights.size()));
 }
 

@@ -1,6 +1,6 @@
-// The rendering loss in plain tensor operations and autograd: slow (gigabytes at 512 x 512), obviously
-// right, kept as the twin that tests and benchmarks compare the fused loss with. Also the shader for few
-// lights, for evaluation.
+// The shader in plain tensor operations: for evaluation, and for the rendering loss on devices other than the
+// CPU (chunked_loss.h). With it the rendering loss by autograd: slow (gigabytes at 512 x 512), obviously
+// right, kept as the twin that tests and benchmarks compare the other two with.
 #pragma once
 
 #include <vector>
@@ -14,6 +14,24 @@ namespace ohb::learner {
 /// (whatever the maps hold there).
 torch::Tensor render_maps(const MaterialMaps& maps, const std::vector<shading::Light<double>>& lights,
                           const shading::Options& options = {});
+
+/// Where pixels are in the shader's frame (shading.h); broadcast to the maps' (B, 1, H, W).
+struct PixelPlaces {
+  torch::Tensor u, v;
+};
+/// Of the pixels of those columns and rows, from 0 (tensors of floats), of a picture of width x height.
+PixelPlaces places_of(const torch::Tensor& columns, const torch::Tensor& rows, int64_t width_px,
+                      int64_t height_px);
+
+/// The same as render_maps for pixels that need not be a whole picture: a list of N of them is (1, C, 1, N).
+torch::Tensor render_pixels(const MaterialMaps& maps, const PixelPlaces& places,
+                            const std::vector<shading::Light<double>>& lights,
+                            const shading::Options& options = {});
+
+/// What the rendering loss is the mean of: |ln(1 + mine) - ln(1 + wanted)| or, where it is linear, |mine -
+/// wanted|.
+torch::Tensor radiance_difference(const torch::Tensor& mine, const torch::Tensor& wanted,
+                                  const shading::Options& options);
 
 /// The same value as fused_rendering_loss, by autograd.
 torch::Tensor oracle_rendering_loss(const MaterialMaps& prediction, const MaterialMaps& truth,

@@ -1,6 +1,7 @@
 #include "learner/task.h"
 
 #include "dataset/model/error.h"
+#include "learner/chunked_loss.h"
 #include "learner/oracle.h"
 
 namespace ohb::learner {
@@ -43,6 +44,12 @@ Tensor with_balanced_rss(const Tensor& difference) {
   const Tensor x = difference.slice(1, others) / span.view({1, -1, 1, 1});
   const Tensor balanced = spans[0] / 2 * (x + x.square());
   return others == 0 ? balanced : torch::cat({difference.slice(1, 0, others), balanced}, 1);
+}
+
+Tensor rendering_loss(const MaterialMaps& estimate, const MaterialMaps& truth, const Tensor& mask,
+                      const std::vector<shading::Light<double>>& lights, const LossOptions& options) {
+  if (mask.device().is_cpu()) return fused_rendering_loss(estimate, truth, mask, lights, options.shading);
+  return chunked_rendering_loss(estimate, truth, mask, lights, options.shading);
 }
 
 }  // namespace
@@ -176,8 +183,7 @@ Losses losses_of(Task task, const Tensor& output, const MaterialMaps& truth, con
   difference = difference * mask;
   Losses losses;
   losses.map = difference.sum() / (mask.sum() * static_cast<double>(output.size(1))).clamp_min(1e-6);
-  losses.render = fused_rendering_loss(controlled(task, estimate), controlled(task, truth), mask, lights,
-                                       options.shading);
+  losses.render = rendering_loss(controlled(task, estimate), controlled(task, truth), mask, lights, options);
   losses.total = losses.map + options.render_weight * losses.render;
   return losses;
 }

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <string>
 
+#include "learner/chunked_loss.h"
 #include "learner/fused_loss.h"
 #include "tests/learner/test_maps.h"
 
@@ -89,6 +90,8 @@ int main(int argc, char** argv) {
   print("fused, 20 % foreground", part);
   const Measure fused = measure(fused_rendering_loss, prediction, truth, all, 5);
   print("fused, full frame", fused);
+  const auto by_chunks = [](const auto&... arguments) { return chunked_rendering_loss(arguments...); };
+  print("chunks of 512 MB, full frame", measure(by_chunks, prediction, truth, all, 1));
   const Measure oracle = measure(oracle_rendering_loss, prediction, truth, all, 1);
   print("autograd, lights in a batch", oracle);
   std::printf("ratio, full frame: wall %.1f, processor %.1f; value differs by %.1e\n",

@@ -3,61 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include "learner/oracle.h"
-#include "test_maps.h"
+#include "test_losses.h"
 
 namespace ohb {
 using namespace learner;
 namespace {
 
 using torch::Tensor;
-
-double relative_error(const Tensor& a, const Tensor& b) {
-  return ((a - b).norm() / b.norm().clamp_min(1e-30)).item<double>();
-}
-
-struct Values {
-  double loss;
-  std::vector<Tensor> gradients;
-};
-
-using Loss = Tensor (*)(const MaterialMaps&, const MaterialMaps&, const Tensor&,
-                        const std::vector<shading::Light<double>>&, const shading::Options&);
-
-Values values_of(Loss loss, MaterialMaps prediction, const MaterialMaps& truth, const Tensor& mask,
-                 const shading::Options& options) {
-  require_gradients(prediction);
-  const Tensor value = loss(prediction, truth, mask, training_lights(7), options);
-  value.backward();
-  Values values{value.item<double>(), {}};
-  for (Tensor* map : tensors_of(prediction)) values.gradients.push_back(map->grad());
-  return values;
-}
-
-void expect_equal(const Values& fused, const Values& oracle, double value_error, double gradient_error) {
-  EXPECT_NEAR(fused.loss, oracle.loss, value_error * std::fabs(oracle.loss));
-  for (size_t i = 0; i < fused.gradients.size(); ++i)
-    EXPECT_LT(relative_error(fused.gradients[i], oracle.gradients[i]), gradient_error) << kMapNames[i];
-}
-
-Tensor half_mask(int64_t batch, int64_t size, torch::Dtype type) {
-  Tensor mask = torch::zeros({batch, 1, size, size}, type);
-  mask.slice(3, 0, size / 2 + 3).fill_(1);
-  return mask;
-}
-
-struct Case {
-  const char* name;
-  shading::Options options;
-};
-
-std::vector<Case> cases() {
-  Case srgb{"srgb log", {}}, linear{"srgb linear", {}}, disney{"disney log", {}}, f0{"linear f0", {}};
-  linear.options.log_domain = false;
-  disney.options.specular = shading::SpecularEncoding::kDisney08;
-  f0.options.specular = shading::SpecularEncoding::kLinearF0;
-  return {srgb, linear, disney, f0};
-}
 
 TEST(TrainingLights, AreThirtySevenOnTheViewersSide) {
   for (const uint64_t key : {0ull, 1ull, 99ull}) {
