@@ -44,9 +44,14 @@ void AdamW::clear_gradients() {
 
 double AdamW::clip_gradients(double limit) {
   torch::NoGradGuard no_gradients;
-  double squared = 0;
+  std::vector<torch::Tensor> norms;
   for (const State& s : states_)
-    if (s.parameter.grad().defined()) squared += std::pow(s.parameter.grad().norm().item<double>(), 2);
+    if (s.parameter.grad().defined()) norms.push_back(s.parameter.grad().norm());
+  if (norms.empty()) return 0;
+  // Brought to the CPU together: each transfer waits for the device.
+  const torch::Tensor all = torch::stack(norms).to(torch::kCPU);
+  double squared = 0;
+  for (int64_t i = 0; i < all.size(0); ++i) squared += std::pow(all[i].item<double>(), 2);
   const double norm = std::sqrt(squared);
   if (std::isfinite(norm) && norm > limit)
     for (State& s : states_)

@@ -36,6 +36,13 @@ Batch joined(const std::vector<Example>& examples) {
 
 }  // namespace
 
+Batch moved_to(const torch::Device& device, Batch batch) {
+  batch.input = batch.input.to(device);
+  batch.mask = batch.mask.to(device);
+  for (const LearnedMap& map : kMaps) batch.truth.*map.tensor = (batch.truth.*map.tensor).to(device);
+  return batch;
+}
+
 Batch next_batch(Loader& loader, int size, const Augmentation& augmentation, uint64_t first_position) {
   std::vector<Example> examples;
   for (int i = 0; i < size; ++i) {

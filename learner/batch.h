@@ -15,6 +15,9 @@ struct Batch {
   MaterialMaps truth;              // (B, C, H, W)
 };
 
+/// The same on another device; itself where it is there already.
+Batch moved_to(const torch::Device& device, Batch batch);
+
 /// Keys of what is done to examples; 0: nothing.
 struct Augmentation {
   uint64_t mirror_key = 0, recolour_key = 0, snapshot_key = 0;

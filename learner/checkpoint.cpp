@@ -113,7 +113,7 @@ void save_weights(const fs::path& file, const json& header, const Network& netwo
   TensorFile content;
   content.metadata[kHeaderKey] = json_text(header);
   for (const auto& item : network.module().named_parameters())
-    content.tensors.emplace_back(kModel + item.key(), item.value().detach().to(torch::kHalf));
+    content.tensors.emplace_back(kModel + item.key(), item.value().detach().to(torch::kCPU).to(torch::kHalf));
   write_tensors(file, content);
 }
 

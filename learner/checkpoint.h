@@ -1,4 +1,5 @@
 // Checkpoints of a run: weights, optimiser moments and what the run is, one file each, written atomically.
+// Files do not know devices: tensors are written from, and loaded onto, whichever they are on.
 #pragma once
 
 #include <filesystem>

@@ -21,6 +21,10 @@ PriorSet::PriorSet(const std::vector<fs::path>& files_or_runs, PriorsNeeded need
                        "give geometry, albedo and rss");
 }
 
+void PriorSet::move_to(const torch::Device& device) {
+  for (const auto& [task, network] : networks_) network.module().to(device);
+}
+
 Tensor PriorSet::estimate(const Tensor& input) const {
   torch::NoGradGuard no_gradients;
   std::vector<Tensor> outputs;
@@ -29,7 +33,7 @@ Tensor PriorSet::estimate(const Tensor& input) const {
     outputs.push_back(found != networks_.end()
                           ? two_sided_output(found->second, input, {})
                           : torch::full({input.size(0), output_channels(task), input.size(2), input.size(3)},
-                                        std::nan("")));
+                                        std::nan(""), input.options()));
   }
   return torch::cat(outputs, 1);
 }

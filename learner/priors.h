@@ -21,6 +21,8 @@ class PriorSet {
                     PriorsNeeded needed = PriorsNeeded::kAll);
   bool is_whole() const { return networks_.size() == 3; }
   const std::map<Task, Network>& networks() const { return networks_; }
+  void move_to(const torch::Device& device);
+  /// On the networks' device, as `input` must be.
   torch::Tensor estimate(const torch::Tensor& input) const;
 
  private:

@@ -110,9 +110,11 @@ void Ranks::sum(const std::vector<torch::Tensor>& tensors) const {
   if (is_alone() || tensors.empty()) return;
   torch::NoGradGuard no_gradients;
   std::vector<torch::Tensor> flat;
+  flat.reserve(tensors.size());
   for (const torch::Tensor& tensor : tensors) flat.push_back(tensor.reshape(-1));
-  const torch::Tensor joined = torch::cat(flat);
-  group_->sum(joined);
+  const torch::Tensor on_cpu = torch::cat(flat).to(torch::kCPU);  // Gloo's
+  group_->sum(on_cpu);
+  const torch::Tensor joined = on_cpu.to(tensors[0].device());
   int64_t start = 0;
   for (const torch::Tensor& tensor : tensors) {
     tensor.copy_(joined.slice(0, start, start + tensor.numel()).view(tensor.sizes()));

@@ -30,7 +30,7 @@ class Ranks {
 
   /// Sums over the ranks, in place.
   void sum(std::vector<double>& numbers) const;
-  /// The same of float32 tensors, in one message.
+  /// The same of float32 tensors of one device, in one message; from another device by way of the CPU.
   void sum(const std::vector<torch::Tensor>& tensors) const;
   /// The text that rank 0 gives, on every rank. Once in a run.
   std::string from_first(const std::string& text) const;

@@ -109,7 +109,7 @@ void write_tensors(const fs::path& file, const TensorFile& content) {
   std::string bytes(reinterpret_cast<const char*>(&length), sizeof length);
   bytes += header;
   for (const auto& [name, tensor] : content.tensors) {
-    const Tensor packed = tensor.detach().contiguous();
+    const Tensor packed = tensor.detach().to(torch::kCPU).contiguous();
     bytes.append(static_cast<const char*>(packed.data_ptr()), packed.nbytes());
   }
   write_file_atomically(file, bytes);

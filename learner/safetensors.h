@@ -14,7 +14,8 @@
 namespace ohb::learner {
 
 struct TensorFile {
-  std::vector<std::pair<std::string, torch::Tensor>> tensors;  // float32, half or int64, on the CPU
+  std::vector<std::pair<std::string, torch::Tensor>>
+      tensors;  // float32, half or int64; those read are on the CPU
   std::map<std::string, std::string> metadata;
 };
 

@@ -101,7 +101,10 @@ class Trainer {
                        "is no multiple of WORLD_SIZE, " + std::to_string(ranks_.count()),
                        "it is that of all ranks together: give another");
     if (!ranks_.is_first()) options_.quiet = true;
-    if (options.guidance == Guidance::kPriors) priors_ = std::make_unique<PriorSet>(options.priors);
+    if (options.guidance == Guidance::kPriors) {
+      priors_ = std::make_unique<PriorSet>(options.priors);
+      priors_->move_to(options.device);
+    }
     first_step_ = ranks_.is_first() ? start_or_resume() : 0;
     agree_with_first();
   }
@@ -117,6 +120,7 @@ class Trainer {
     torch::manual_seed(options_.seed);
     Network network = make_network(options_.task, options_.width);
     if (!options_.from.empty()) begin_with(options_.from, network);
+    network.module().to(options_.device);  // drawn on the CPU: equal on any device
     return network;
   }
   /// The run's key for that purpose; 0, which leaves it out, unless it is asked for.
@@ -296,6 +300,7 @@ TrainReport Trainer::run() {
         {"steps", steps_},
         {"threads", torch::get_num_threads()},
         {"ranks", ranks_.count()},
+        {"device", options_.device.str()},
         {"options", header_}});
   Loader loader(views_, loader_settings());
   const Augmentation augmentation{key_if(options_.mirror, kMirror), key_if(options_.recolour, kRecolour),
@@ -307,7 +312,8 @@ TrainReport Trainer::run() {
   std::unique_ptr<StepProfile> profile;  // the first step, which makes threads and buffers, is left out
   for (int64_t number = first_step_ + 1; number <= steps_; ++number) {
     if (options_.profile && number == first_step_ + 2) profile = std::make_unique<StepProfile>();
-    const Batch batch = next_batch(loader, batch_of_rank(), augmentation, first_position_of(number));
+    const Batch batch = moved_to(
+        options_.device, next_batch(loader, batch_of_rank(), augmentation, first_position_of(number)));
     const Step result = step(batch, number);
     in_a_row = result.finite() ? 0 : in_a_row + 1;
     if (result.finite()) {

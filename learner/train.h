@@ -45,6 +45,7 @@ struct TrainOptions {
   Guidance guidance = Guidance::kTruth;
   std::vector<std::filesystem::path> priors;  // three of them for Guidance::kPriors
   uint64_t seed = 1;
+  torch::Device device = torch::kCPU;   // a run may be resumed on another
   int threads = 0, loader_threads = 1;  // 0: all processors
   int64_t checkpoint_every = 500, log_every = 10;
   int keep = 2;          // checkpoints
@@ -63,7 +64,7 @@ struct TrainReport {
 
 /// Trains until the last step and writes RUN/weights.safetensors; on the way RUN/step_*.safetensors and
 /// RUN/log.jsonl, one line of JSON an event. A function of options and data: two runs on the same number of
-/// threads are equal bit for bit, interrupted and resumed or not.
+/// threads are equal bit for bit on the CPU, interrupted and resumed or not.
 ///
 /// A step whose loss or gradient isn't finite is left out and logged with its samples' names; ten in a row
 /// are an InputError.

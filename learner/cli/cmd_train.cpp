@@ -9,6 +9,7 @@
 #include "learner/blas.h"
 #include "learner/cli/commands.h"
 #include "learner/counts.h"
+#include "learner/device.h"
 #include "learner/train.h"
 
 namespace ohb::learner {
@@ -56,7 +57,7 @@ void apply_preset(CLI::App& command, const std::string& name) {
 
 struct Arguments {
   learner::TrainOptions train;
-  std::string task, data, output, from, preset, guidance = "truth";
+  std::string task, data, output, from, preset, guidance = "truth", device = "auto";
   std::vector<std::string> priors;
 };
 
@@ -84,6 +85,7 @@ int run_train(Arguments arguments, const CommonOptions& common) {
   o.priors.assign(arguments.priors.begin(), arguments.priors.end());
   o.seed = common.seed;
   o.threads = common.threads;
+  o.device = device_of(arguments.device);
   use_threads(common.threads);
   learner::warn_of_slow_blas();
   learner::check_train_options(o);
@@ -159,7 +161,12 @@ void add_losses(CLI::App& command, learner::TrainOptions& o) {
                    "give the mean of the weights over the last 2000 steps (the paper does not)");
 }
 
-void add_bookkeeping(CLI::App& command, learner::TrainOptions& o) {
+void add_bookkeeping(CLI::App& command, Arguments& arguments) {
+  learner::TrainOptions& o = arguments.train;
+  command
+      .add_option("--device", arguments.device,
+                  "where: cpu, cuda, cuda:N (the GPU of that number), or auto: a GPU if there is one")
+      ->capture_default_str();
   command.add_option("--checkpoint-every", o.checkpoint_every, "steps between checkpoints")
       ->check(program::whole_within(1, kMostSteps))
       ->capture_default_str();
@@ -198,7 +205,7 @@ void add_train_command(CLI::App& app, Commands& commands) {
       ->check(CLI::IsMember(names));
   add_schedule(*command, arguments->train);
   add_losses(*command, arguments->train);
-  add_bookkeeping(*command, arguments->train);
+  add_bookkeeping(*command, *arguments);
   add_common_options(*command, commands.common);
   add_seed_option(*command, commands.common);
   command->footer(program::help_footer(

@@ -1,15 +1,14 @@
 // Several processes that train one network: their gradients, and what happens when one of them ends.
 #include "learner/ranks.h"
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
 
 #include <chrono>
 #include <fstream>
 #include <memory>
 #include <thread>
 
+#include "free_port.h"
 #include "learner/checkpoint.h"
 #include "learner/safetensors.h"
 #include "test_program.h"
@@ -20,19 +19,6 @@ using namespace learner;
 namespace {
 
 namespace fs = std::filesystem;
-
-/// One that nobody listens on.
-int free_port() {
-  const int socket = ::socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof address;
-  ::bind(socket, reinterpret_cast<sockaddr*>(&address), size);
-  ::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
-  ::close(socket);
-  return ntohs(address.sin_port);
-}
 
 /// As many processes, each with its own options after the common ones.
 class RankPrograms {
