@@ -1,4 +1,4 @@
-// On which device networks are trained.
+// On which device networks are trained and evaluated.
 #pragma once
 
 #include <cstdint>

@@ -4,7 +4,9 @@
 #include "learner/upsample.h"
 
 namespace ohb::learner {
-Estimator::Estimator(const std::vector<std::filesystem::path>& files_or_runs, PriorsNeeded needed) {
+Estimator::Estimator(const std::vector<std::filesystem::path>& files_or_runs, PriorsNeeded needed,
+                     const torch::Device& device)
+    : device_(device) {
   std::vector<std::filesystem::path> priors;
   for (const auto& file : files_or_runs) {
     LoadedNetwork loaded = load_network(file);
@@ -19,6 +21,8 @@ Estimator::Estimator(const std::vector<std::filesystem::path>& files_or_runs, Pr
     files_.push_back(loaded.file);
   }
   priors_.emplace(priors, finetune_ ? PriorsNeeded::kAll : needed);
+  priors_->move_to(device);
+  if (finetune_) finetune_->module().to(device);
 }
 
 std::vector<Network> Estimator::networks() const {
@@ -32,9 +36,10 @@ MaterialMaps Estimator::maps_by(const std::function<torch::Tensor(const torch::T
                                 const torch::Tensor& input) const {
   torch::NoGradGuard no_gradients;
   const int64_t size_px = header().at("size_px");
-  if (input.size(2) <= size_px) return maps_of(Task::kFinetune, networks(input), {});
+  const auto output = [&](const torch::Tensor& x) { return networks(x.to(device_)).to(x.device()); };
+  if (input.size(2) <= size_px) return maps_of(Task::kFinetune, output(input), {});
   const torch::Tensor small = averaged_input(input, size_px);
-  return maps_of(Task::kFinetune, output_at_size_of(input, networks(small), small), {});
+  return maps_of(Task::kFinetune, output_at_size_of(input, output(small), small), {});
 }
 
 MaterialMaps Estimator::from_priors(const torch::Tensor& input) const {

@@ -15,9 +15,10 @@ class Estimator {
  public:
   /// Files or runs: one each of geometry, albedo and rss, and finetune or not, in any order; with kAny some
   /// of the priors will do, but not for a finetuning model. Throws InputError as load_network, and for a
-  /// network that is missing or given twice.
+  /// network that is missing or given twice. The networks run on `device`; pictures are given, and maps
+  /// returned, on the CPU.
   explicit Estimator(const std::vector<std::filesystem::path>& files_or_runs,
-                     PriorsNeeded needed = PriorsNeeded::kAll);
+                     PriorsNeeded needed = PriorsNeeded::kAll, const torch::Device& device = torch::kCPU);
 
   /// False: the maps of a prior that is not there are NaN.
   bool is_whole() const { return priors_->is_whole(); }
@@ -41,6 +42,7 @@ class Estimator {
   MaterialMaps maps_by(const std::function<torch::Tensor(const torch::Tensor&)>& networks,
                        const torch::Tensor& input) const;
 
+  torch::Device device_;
   std::optional<PriorSet> priors_;
   std::optional<Network> finetune_;
   std::vector<nlohmann::json> headers_;

@@ -190,7 +190,7 @@ int size_to_judge(const EvaluateOptions& options, const Estimator& estimator) {
 }  // namespace
 
 EvaluationReport evaluate(const EvaluateOptions& options) {
-  const Estimator estimator(options.weights, PriorsNeeded::kAny);
+  const Estimator estimator(options.weights, PriorsNeeded::kAny, options.device);
   const Dataset dataset = read_dataset(options.data);
   const TrainedOn trained = trained_on(estimator.headers());
   const std::vector<std::string> people = people_to_judge(options.people, dataset, estimator.headers());

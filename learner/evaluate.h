@@ -18,8 +18,9 @@ struct EvaluateOptions {
   std::vector<std::filesystem::path>
       weights;  // files or runs: priors, one or more; with all, finetune or not
   std::filesystem::path data;
-  std::vector<std::string> people;  // empty: those held out, and not trained on by any of the networks
-  int size_px = 0;                  // 0: as trained
+  std::vector<std::string> people;     // empty: those held out, and not trained on by any of the networks
+  int size_px = 0;                     // 0: as trained
+  torch::Device device = torch::kCPU;  // of the networks
   RelitOptions relit;
   bool quiet = false;
 };

@@ -14,7 +14,6 @@
 #include "learner/unseen.h"
 
 namespace ohb::learner {
-namespace fs = std::filesystem;
 namespace {
 
 using torch::Tensor;
@@ -159,7 +158,7 @@ std::vector<double> StressSeries::broken() const {
 }
 
 StressReport run_stress(const StressOptions& options) {
-  const Estimator estimator(options.weights);
+  const Estimator estimator(options.weights, PriorsNeeded::kAll, options.device);
   const Dataset dataset = read_dataset(options.data);
   const std::vector<std::string> people = people_to_judge(options.people, dataset, estimator.headers());
   const int size_px = options.size_px > 0 ? options.size_px : estimator.header().at("size_px").get<int>();

@@ -14,11 +14,12 @@ namespace ohb::learner {
 struct StressOptions {
   std::vector<std::filesystem::path> weights;  // files or runs: three priors, finetune or not
   std::filesystem::path data;
-  std::vector<std::string> people;  // as EvaluateOptions
-  int size_px = 0;                  // 0: as trained
-  int views_a_person = 1;           // evenly around the turn
-  int spp = 32;                     // of the pictures, which our path tracer makes
-  uint64_t seed = 1;                // of the noise
+  std::vector<std::string> people;     // as EvaluateOptions
+  int size_px = 0;                     // 0: as trained
+  torch::Device device = torch::kCPU;  // of the networks
+  int views_a_person = 1;              // evenly around the turn
+  int spp = 32;                        // of the pictures, which our path tracer makes
+  uint64_t seed = 1;                   // of the noise
   bool quiet = false;
 };
 

@@ -9,6 +9,7 @@
 #include "dataset/program/option_checks.h"
 #include "learner/blas.h"
 #include "learner/cli/commands.h"
+#include "learner/device.h"
 #include "learner/evaluate.h"
 
 namespace ohb::learner {
@@ -17,7 +18,7 @@ namespace {
 struct Arguments {
   learner::EvaluateOptions evaluate;
   std::vector<std::string> weights, environments;
-  std::string data, output;
+  std::string data, output, device = "auto";
   bool no_relight = false;
 };
 
@@ -34,6 +35,7 @@ int run_evaluate(Arguments arguments, const CommonOptions& common) {
   o.data = arguments.data;
   o.relit.environments.assign(arguments.environments.begin(), arguments.environments.end());
   if (arguments.no_relight) o.relit.views_a_person = 0;
+  o.device = device_of(arguments.device);
   use_threads(common.threads);
   learner::warn_of_slow_blas();
   std::optional<AtomicFolder> folder;
@@ -88,6 +90,7 @@ void add_evaluate_command(CLI::App& app, Commands& commands) {
   command->add_option("--relight-spp", arguments->evaluate.relit.spp, "paths a pixel of relit pictures")
       ->check(program::whole_within(1, 1 << 24))
       ->capture_default_str();
+  add_device_option(*command, arguments->device);
   command->add_flag("--no-relight", arguments->no_relight, "leave relighting out");
   command->add_option("-o,--output", arguments->output, "folder for evaluation.json and evaluation.md");
   add_common_options(*command, commands.common);

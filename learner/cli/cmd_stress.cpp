@@ -8,6 +8,7 @@
 #include "dataset/program/option_checks.h"
 #include "learner/blas.h"
 #include "learner/cli/commands.h"
+#include "learner/device.h"
 #include "learner/stress.h"
 
 namespace ohb::learner {
@@ -16,7 +17,7 @@ namespace {
 struct Arguments {
   learner::StressOptions stress;
   std::vector<std::string> weights;
-  std::string data, output;
+  std::string data, output, device = "auto";
 };
 
 int run(Arguments arguments, const CommonOptions& common) {
@@ -24,6 +25,7 @@ int run(Arguments arguments, const CommonOptions& common) {
   o.weights.assign(arguments.weights.begin(), arguments.weights.end());
   o.data = arguments.data;
   o.seed = common.seed;
+  o.device = device_of(arguments.device);
   use_threads(common.threads);
   learner::warn_of_slow_blas();
   std::vector<std::filesystem::path> inputs = o.weights;
@@ -65,6 +67,7 @@ void add_stress_command(CLI::App& app, Commands& commands) {
   command->add_option("--spp", arguments->stress.spp, "paths a pixel of the pictures")
       ->check(program::whole_within(1, 1 << 24))
       ->capture_default_str();
+  add_device_option(*command, arguments->device);
   command->add_option("-o,--output", arguments->output, "folder for the chart")->required();
   add_common_options(*command, commands.common);
   add_seed_option(*command, commands.common);

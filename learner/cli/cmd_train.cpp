@@ -163,10 +163,7 @@ void add_losses(CLI::App& command, learner::TrainOptions& o) {
 
 void add_bookkeeping(CLI::App& command, Arguments& arguments) {
   learner::TrainOptions& o = arguments.train;
-  command
-      .add_option("--device", arguments.device,
-                  "where: cpu, cuda, cuda:N (the GPU of that number), or auto: a GPU if there is one")
-      ->capture_default_str();
+  add_device_option(command, arguments.device);
   command.add_option("--checkpoint-every", o.checkpoint_every, "steps between checkpoints")
       ->check(program::whole_within(1, kMostSteps))
       ->capture_default_str();

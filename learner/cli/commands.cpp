@@ -2,6 +2,7 @@
 
 #include <tbb/global_control.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <thread>
 
@@ -17,6 +18,13 @@ void use_threads(int threads) {
   // Until the end of the process, which is the command's.
   static auto* const limit = new tbb::global_control(tbb::global_control::max_allowed_parallelism, threads);
   static_cast<void>(limit);
+}
+
+void add_device_option(CLI::App& command, std::string& device) {
+  command
+      .add_option("--device", device,
+                  "where: cpu, cuda, cuda:N (the GPU of that number), or auto: a GPU if there is one")
+      ->capture_default_str();
 }
 
 // Each of these is in its own cmd_<name>.cpp.

@@ -8,11 +8,14 @@
 
 #include "free_port.h"
 #include "learner/chunked_loss.h"
+#include "learner/data.h"
+#include "learner/estimator.h"
 #include "learner/ranks.h"
 #include "learner/safetensors.h"
 #include "learner/train.h"
 #include "test_losses.h"
 #include "test_samples.h"
+#include "test_weights.h"
 #include "tests/support/test_files.h"
 
 namespace ohb {
@@ -133,6 +136,25 @@ TEST(FakeDevice, PriorsGuideWhereTheyAreMovedTo) {
     EXPECT_EQ(train(o).skipped, 0);
   }
   EXPECT_LT(distance_of(folder / "fake", folder / "cpu", 1), 1e-5);
+}
+
+TEST(FakeDevice, EstimatesAreTheCpus) {
+  const TemporaryFolder folder;
+  const auto files = weights_in(folder, true);  // trained at 16 px
+  torch::manual_seed(1);
+  for (const int64_t size : {16, 32}) {
+    const Tensor input = network_input(torch::rand({1, 3, size, size}), torch::ones({1, 1, size, size}));
+    MaterialMaps here = Estimator(files).estimate(input);
+    MaterialMaps there = Estimator(files, PriorsNeeded::kAll, fake_device()).estimate(input);
+    for (size_t i = 0; i < 6; ++i) {
+      EXPECT_TRUE(tensors_of(there)[i]->device().is_cpu());
+      EXPECT_LT(relative_error(*tensors_of(there)[i], *tensors_of(here)[i]), 1e-4) << kMapNames[i];
+    }
+  }
+  const Tensor input = torch::zeros({1, 4, 16, 16});
+  const MaterialMaps some = Estimator({files[0]}, PriorsNeeded::kAny, fake_device()).estimate(input);
+  EXPECT_TRUE(torch::isfinite(some.normal).all().item<bool>());
+  EXPECT_TRUE(torch::isnan(some.sss).all().item<bool>()) << "there is no rss prior";
 }
 
 /// As one of two processes: whether both get the sums, on the device.
