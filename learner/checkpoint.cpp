@@ -160,7 +160,9 @@ LoadedNetwork load_network(const fs::path& file_or_run) {
   const TensorFile content = read_tensors(file);
   const json header = header_of(content, file);
   Named tensors = named(content);
-  LoadedNetwork loaded{make_network(task_from_name(header["task"]), header["width"]), header, file};
+  LoadedNetwork loaded{
+      make_network(task_from_name(header["task"]), header["width"], header.value("residual", false)), header,
+      file};
   torch::NoGradGuard no_gradients;
   for (auto& item : loaded.network.module().named_parameters()) {
     item.value().copy_(take(tensors, kModel + item.key(), item.value(), file));

@@ -49,7 +49,12 @@ MaterialMaps Estimator::from_priors(const torch::Tensor& input) const {
 MaterialMaps Estimator::estimate(const torch::Tensor& input) const {
   if (!finetune_) return from_priors(input);
   return maps_by(
-      [this](const torch::Tensor& x) { return two_sided_output(*finetune_, x, priors_->estimate(x)); },
+      [this](const torch::Tensor& picture) {
+        const auto refined = [this](const torch::Tensor& x) {
+          return finetune_->forward(x, priors_->guidance(x));
+        };
+        return two_sided_output(Task::kFinetune, refined, picture);
+      },
       input);
 }
 

@@ -190,7 +190,7 @@ Tensor DecoderImpl::forward(Tensor x, const std::array<Tensor, 5>& skips,
   x = pointwise(x, merge->weight, merge->bias);
   for (int i = 0; i < 6; i += 2) x = x + refine[i + 1](torch::silu(refine[i](x)));
   x = torch::silu(pointwise(x, hidden->weight, hidden->bias));
-  return torch::sigmoid(pointwise(x, output->weight, output->bias));
+  return pointwise(x, output->weight, output->bias);
 }
 
 PriorNetImpl::PriorNetImpl(int64_t out, double width)
@@ -205,11 +205,12 @@ Tensor PriorNetImpl::forward(Tensor input) {
   input = input.contiguous(torch::MemoryFormat::ChannelsLast);
   const std::array<Tensor, 5> features = encoder(input);
   const std::array<Tensor, 3> hints = guidance(input);
-  return decoder(fusion(features[4], std::vector<Tensor>{hints[2]}), features, hints);
+  return torch::sigmoid(decoder(fusion(features[4], std::vector<Tensor>{hints[2]}), features, hints));
 }
 
-FinetuneNetImpl::FinetuneNetImpl(double width)
-    : encoder(register_module("encoder", LatentEncoder(4, width))),
+FinetuneNetImpl::FinetuneNetImpl(double width, bool adds)
+    : residual(adds),
+      encoder(register_module("encoder", LatentEncoder(4, width))),
       fusion(register_module("fusion", FusionBlock(scaled_width(kEncoderWidths[4], width),
                                                    scaled_width(kGuidanceWidths[2], width)))) {
   for (size_t i = 0; i < kChannels.size(); ++i) {
@@ -217,6 +218,10 @@ FinetuneNetImpl::FinetuneNetImpl(double width)
     guidance[i] =
         register_module(std::string("guidance_") + kNames[i], GuidanceEncoder(kChannels[i] + 1, width));
     decoders[i] = register_module(std::string("decoder_") + kNames[i], Decoder(kChannels[i], width));
+    if (!residual) continue;
+    const torch::NoGradGuard no_gradients;
+    decoders[i]->output->weight.zero_();
+    decoders[i]->output->bias.zero_();
   }
 }
 
@@ -240,7 +245,9 @@ Tensor FinetuneNetImpl::forward(Tensor input, const Tensor& maps) {
   const Tensor latent = fusion(features[4], tokens);
   std::vector<Tensor> outputs;
   for (size_t i = 0; i < kChannels.size(); ++i) outputs.push_back(decoders[i](latent, features, hints[i]));
-  return torch::cat(outputs, 1);
+  Tensor logits = torch::cat(outputs, 1);
+  if (residual) logits = logits + torch::logit(maps.clamp(kLeastGuidance, 1 - kLeastGuidance));
+  return torch::sigmoid(logits);
 }
 
 }  // namespace ohb::learner

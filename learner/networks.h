@@ -73,7 +73,7 @@ struct LatentEncoderImpl : torch::nn::Module {
 };
 TORCH_MODULE(LatentEncoder);
 
-/// From the fused latent up to maps in (0, 1).
+/// From the fused latent up to maps, as logits.
 struct DecoderImpl : torch::nn::Module {
   DecoderImpl(int64_t out, double width);
   torch::Tensor forward(torch::Tensor latent, const std::array<torch::Tensor, 5>& skips,
@@ -100,13 +100,17 @@ struct PriorNetImpl : torch::nn::Module {
 TORCH_MODULE(PriorNet);
 
 /// The finetuning model. `maps` (B, 10, H, W) in (0, 1) are the guidance: normal 3, displacement 1, diffuse
-/// 3, rss 3, as the priors put them out; the output has the same ten channels.
+/// 3, rss 3, as the priors put them out; the output has the same ten channels. `residual` (not in the paper):
+/// the logits of the guidance are added to the network's own, which begin at 0, so that an untrained network
+/// gives the guidance back (values within kLeastGuidance of 0 and 1 held there).
 struct FinetuneNetImpl : torch::nn::Module {
-  explicit FinetuneNetImpl(double width);
+  explicit FinetuneNetImpl(double width, bool residual = false);
   torch::Tensor forward(torch::Tensor input, const torch::Tensor& maps);
 
   static constexpr std::array<int64_t, 4> kChannels = {3, 1, 3, rss_channels()};
   static constexpr std::array<const char*, 4> kNames = {"normal", "displacement", "diffuse", "rss"};
+  static constexpr double kLeastGuidance = 1e-3;
+  bool residual;
   LatentEncoder encoder{nullptr};
   FusionBlock fusion{nullptr};
   std::array<GuidanceEncoder, 4> guidance{nullptr, nullptr, nullptr, nullptr};

@@ -26,12 +26,17 @@ void PriorSet::move_to(const torch::Device& device) {
 }
 
 Tensor PriorSet::estimate(const Tensor& input) const {
+  return two_sided_output(
+      Task::kFinetune, [this](const Tensor& x) { return guidance(x); }, input);
+}
+
+Tensor PriorSet::guidance(const Tensor& input) const {
   torch::NoGradGuard no_gradients;
   std::vector<Tensor> outputs;
   for (const Task task : {Task::kGeometry, Task::kAlbedo, Task::kRss}) {
     const auto found = networks_.find(task);
     outputs.push_back(found != networks_.end()
-                          ? two_sided_output(found->second, input, {})
+                          ? found->second.forward(input, {})
                           : torch::full({input.size(0), output_channels(task), input.size(2), input.size(3)},
                                         std::nan(""), input.options()));
   }

@@ -22,7 +22,9 @@ class PriorSet {
   bool is_whole() const { return networks_.size() == 3; }
   const std::map<Task, Network>& networks() const { return networks_; }
   void move_to(const torch::Device& device);
-  /// On the networks' device, as `input` must be.
+  /// Of the picture alone: a finetuning model's guidance. On the networks' device, as `input` must be.
+  torch::Tensor guidance(const torch::Tensor& input) const;
+  /// two_sided_output of it.
   torch::Tensor estimate(const torch::Tensor& input) const;
 
  private:

@@ -62,6 +62,7 @@ json run_header(const TrainOptions& o, const Dataset& dataset, const Split& spli
   if (o.mix_lights) header["mix_lights"] = true;
   if (!o.from.empty()) add_start(o.from, header);
   if (o.average) header["average"] = true;
+  if (o.task == Task::kFinetune && o.residual) header["residual"] = true;
   // The schedule depends on the number of steps.
   if (o.cosine || o.warmup * 10 > steps) header["schedule_steps"] = steps;
   return header;
@@ -69,8 +70,8 @@ json run_header(const TrainOptions& o, const Dataset& dataset, const Split& spli
 
 void check_same_run(const json& before, const json& now, const fs::path& file) {
   json wanted = now;
-  for (const char* only_where_it_matters :
-       {"schedule_steps", "recolour", "balanced", "snapshots", "parts", "mix_lights", "average", "from"})
+  for (const char* only_where_it_matters : {"schedule_steps", "recolour", "balanced", "snapshots", "parts",
+                                            "mix_lights", "average", "residual", "from"})
     if (before.contains(only_where_it_matters) && !now.contains(only_where_it_matters))
       wanted[only_where_it_matters] = nullptr;
   // Runs of versions before these were noted cannot be told apart by them.

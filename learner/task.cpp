@@ -93,16 +93,15 @@ Tensor mirrored_output(Task task, const Tensor& output) {
   return mirrored;
 }
 
-Tensor two_sided_output(const Network& network, const Tensor& input, const Tensor& guidance) {
-  const Tensor mirrored_guidance = guidance.defined() ? mirrored_output(Task::kFinetune, guidance) : Tensor();
-  const Tensor other = network.forward(input.flip(3), mirrored_guidance);
-  return (network.forward(input, guidance) + mirrored_output(network.task, other)) / 2;
+Tensor two_sided_output(Task task, const std::function<Tensor(const Tensor&)>& network, const Tensor& input) {
+  const Tensor other = network(input.flip(3));
+  return (network(input) + mirrored_output(task, other)) / 2;
 }
 
-Network make_network(Task task, double width) {
-  Network network{task, width};
+Network make_network(Task task, double width, bool residual) {
+  Network network{task, width, task == Task::kFinetune && residual};
   if (task == Task::kFinetune)
-    network.finetune = FinetuneNet(width);
+    network.finetune = FinetuneNet(width, residual);
   else
     network.prior = PriorNet(output_channels(task), width);
   return network;

@@ -1,6 +1,7 @@
 // The four things that can be trained, their networks behind one face, and how outputs and maps correspond.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -21,6 +22,7 @@ Task task_from_name(const std::string& name);
 struct Network {
   Task task;
   double width;
+  bool residual;                  // finetune: FinetuneNetImpl::residual
   PriorNet prior{nullptr};        // all but finetune
   FinetuneNet finetune{nullptr};  // finetune
 
@@ -30,12 +32,12 @@ struct Network {
 };
 
 /// Freshly initialised; torch::manual_seed decides with what.
-Network make_network(Task task, double width);
+Network make_network(Task task, double width, bool residual = false);
 
 /// The mean of a network's output and of the output for the mirrored picture, mirrored back: the maps of a
 /// mirror image are the mirror image of the maps, so that where the two differ both err. Twice the time.
-torch::Tensor two_sided_output(const Network& network, const torch::Tensor& input,
-                               const torch::Tensor& guidance);
+torch::Tensor two_sided_output(Task task, const std::function<torch::Tensor(const torch::Tensor&)>& network,
+                               const torch::Tensor& input);
 
 /// Exchanges left and right of a network's output (B, C, H, W), or of guidance: x components of normals,
 /// encoded as (x + 1) / 2, change their sign.

@@ -73,10 +73,12 @@ struct Means {
 
 void begin_with(const fs::path& file_or_run, Network& network) {
   const LoadedNetwork loaded = load_network(file_or_run);
-  if (loaded.network.task != network.task || loaded.network.width != network.width)
+  if (loaded.network.task != network.task || loaded.network.width != network.width ||
+      loaded.network.residual != network.residual)
     throw InputError(
         loaded.file.string(), "",
-        fmt::format("is another network: {}, width {:g}", name_of(loaded.network.task), loaded.network.width),
+        fmt::format("is another network: {}{}, width {:g}", loaded.network.residual ? "residual " : "",
+                    name_of(loaded.network.task), loaded.network.width),
         "give one of the model that is trained and of its --width");
   const torch::NoGradGuard no_gradients;
   const auto wanted = network.module().parameters(), start = loaded.network.module().parameters();
@@ -118,7 +120,7 @@ class Trainer {
   }
   Network make_seeded() const {
     torch::manual_seed(options_.seed);
-    Network network = make_network(options_.task, options_.width);
+    Network network = make_network(options_.task, options_.width, options_.residual);
     if (!options_.from.empty()) begin_with(options_.from, network);
     network.module().to(options_.device);  // drawn on the CPU: equal on any device
     return network;
@@ -210,7 +212,7 @@ void Trainer::agree_with_first() {
 Losses Trainer::losses_of_batch(const Batch& batch, int64_t number) {
   Tensor guidance;
   if (options_.task == Task::kFinetune)
-    guidance = priors_ ? priors_->estimate(batch.input) : encoded_maps(Task::kFinetune, batch.truth);
+    guidance = priors_ ? priors_->guidance(batch.input) : encoded_maps(Task::kFinetune, batch.truth);
   const Tensor output = network_.forward(batch.input, guidance);
   const auto lights = training_lights(key_of({options_.seed, kLightPlace, static_cast<uint64_t>(number)}));
   shading::Options shading;

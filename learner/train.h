@@ -42,6 +42,7 @@ struct TrainOptions {
   bool parts = false;          // parts of people: windows of samples larger than size_px (not in the paper)
   bool mix_lights = false;     // more lights than were rendered: see mixed_light (not in the paper)
   bool average = false;        // the weights are averages over the last steps (not in the paper)
+  bool residual = false;       // finetune: see FinetuneNetImpl (not in the paper)
   Guidance guidance = Guidance::kTruth;
   std::vector<std::filesystem::path> priors;  // three of them for Guidance::kPriors
   uint64_t seed = 1;

@@ -40,7 +40,8 @@ const std::vector<Preset>& presets() {
         {"--snapshots", "true"},
         {"--parts", "true"},
         {"--mix-lights", "true"},
-        {"--balanced", "true"}}}};
+        {"--balanced", "true"},
+        {"--residual", "true"}}}};
   return all;
 }
 
@@ -62,7 +63,7 @@ struct Arguments {
 };
 
 void print_size(const learner::TrainOptions& o) {
-  const learner::Network network = learner::make_network(o.task, o.width);
+  const learner::Network network = learner::make_network(o.task, o.width, o.residual);
   const int64_t multiplies = learner::multiplies_at(
       [&](int64_t size) {
         const int64_t maps = learner::output_channels(learner::Task::kFinetune);
@@ -112,6 +113,15 @@ int run_train(Arguments arguments, const CommonOptions& common) {
               report.weights.c_str(), static_cast<long long>(done), report.seconds, 100 * wait,
               report.first_loss, report.last_loss);
   return 0;
+}
+
+void add_finetuning(CLI::App& command, Arguments& arguments) {
+  command.add_option("--guidance", arguments.guidance, "finetune: maps to refine while it trains")
+      ->check(CLI::IsMember({"truth", "priors"}))
+      ->capture_default_str();
+  command.add_option("--priors", arguments.priors, "finetune with --guidance priors: three runs or weights");
+  command.add_flag("--residual", arguments.train.residual,
+                   "finetune: put out changes to its guidance, not maps (the paper puts out maps)");
 }
 
 void add_schedule(CLI::App& command, learner::TrainOptions& o) {
@@ -191,11 +201,7 @@ void add_train_command(CLI::App& app, Commands& commands) {
                       "weights or run to begin with, of this model and width (default: random ones)");
   command->add_option("--hold-out", arguments->train.held_out,
                       "person to keep for testing; may be repeated (default: every fourth)");
-  command->add_option("--guidance", arguments->guidance, "finetune: maps to refine while it trains")
-      ->check(CLI::IsMember({"truth", "priors"}))
-      ->capture_default_str();
-  command->add_option("--priors", arguments->priors,
-                      "finetune with --guidance priors: three runs or weights");
+  add_finetuning(*command, *arguments);
   std::vector<std::string> names;
   for (const Preset& preset : presets()) names.emplace_back(preset.name);
   command->add_option("--preset", arguments->preset, "options by name; those given too go before it")

@@ -96,6 +96,20 @@ TEST(FinetuneNet, IgnoresTheMapsBackground) {
   EXPECT_TRUE(before.equal(net(input, maps)));
 }
 
+// What it is for: before it has learnt anything it does no harm, and its first gradients say what to change.
+TEST(FinetuneNet, GivesItsGuidanceBackWhereItAddsToItAndHasNotLearnt) {
+  FinetuneNet net(0.125, true);
+  const Tensor input = torch::rand({2, 4, 32, 32}) * 2 - 1, maps = torch::rand({2, 10, 32, 32});
+  const Tensor output = net(input, maps);
+  const double least = FinetuneNetImpl::kLeastGuidance;
+  EXPECT_TRUE(torch::allclose(output, maps.clamp(least, 1 - least), 1e-5, 1e-6));
+  (output - 0.5).square().sum().backward();
+  for (const auto& decoder : net->decoders)
+    EXPECT_GT(decoder->output->weight.grad().abs().max().item<float>(), 0);
+  // Maps of 0 and 1 have no logit.
+  EXPECT_TRUE(net(input, maps.round()).isfinite().all().item<bool>());
+}
+
 TEST(Networks, EveryParameterGetsAGradient) {
   FinetuneNet net(0.125);
   net(torch::rand({1, 4, 32, 32}) * 2 - 1, torch::rand({1, 10, 32, 32})).square().sum().backward();
