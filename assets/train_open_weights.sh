@@ -61,8 +61,8 @@ sample() {  # NAME SEED SPLIT MAPS_PX VIEWS_ATTRIBUTES LIGHTS GROUP...
   mkdir -p "$out/samples_$3"
   "$maker" produce "$out/$1.xml" --workers 2 -o "$out/samples_$3/$1"
 }
-sample far 1 train 512 'count="8" size_px="128" spp="48"' 4 people_c people_b people_d
-sample near 3 train 1024 'count="8" size_px="256" spp="32"' 2 people_e
+sample far 1 train 512 'count="8" size_px="128" spp="16"' 4 people_c people_b people_d
+sample near 3 train 1024 'count="8" size_px="256" spp="12"' 2 people_e
 sample people 2 test 512 'count="4" size_px="128" spp="48"' 3 people_test
 
 common=(--data "$out/samples_train" --size 128 --width 0.25 --batch 2 --learning-rate 5e-4 --mirror --recolour
