@@ -4,8 +4,8 @@
 # images (`chart speed-accuracy`), its maps not counted. Takes a quarter of an hour and means something on an idle
 # machine only.
 #   tests/acceptance/production_speed.sh SCAN REGIONS ENVIRONMENTS OUT
-# SCAN, REGIONS: as label took and wrote them; ENVIRONMENTS: a folder of six or more. What is in OUT is kept: delete
-# it to measure anew.
+# SCAN: as label took it; REGIONS: the folder that label wrote; ENVIRONMENTS: a folder of six or more. What is in OUT
+# is kept: delete it to measure anew.
 set -euo pipefail
 scan=$(realpath "$1") regions=$(realpath "$2") lights=$(realpath "$3") out=$4
 here=$(realpath "$(dirname "$0")/../..")
