@@ -79,7 +79,7 @@ void begin_with(const fs::path& file_or_run, Network& network) {
         loaded.file.string(), "",
         fmt::format("is another network: {}{}, width {:g}", loaded.network.residual ? "residual " : "",
                     name_of(loaded.network.task), loaded.network.width),
-        "give one of the model that is trained and of its --width");
+        "give one of the same model, --width and --residual");
   const torch::NoGradGuard no_gradients;
   const auto wanted = network.module().parameters(), start = loaded.network.module().parameters();
   for (size_t i = 0; i < wanted.size(); ++i) wanted[i].copy_(start[i]);
