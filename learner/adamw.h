@@ -32,7 +32,6 @@ class AdamW {
     std::string name;
     torch::Tensor parameter, first, second;  // the moments
     torch::Tensor average;  // of the parameter over the last 1 / (1 - average_decay) steps; undefined: none
-    torch::Tensor scratch;
   };
   /// In the module's order. Tensors may be copied into.
   std::vector<State>& states() { return states_; }

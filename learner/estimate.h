@@ -15,7 +15,7 @@ struct EstimateOptions {
   std::filesystem::path photo;
   std::optional<std::filesystem::path> mask;
   MattingOptions matting;                      // where there is neither a mask nor an alpha
-  std::vector<std::filesystem::path> weights;  // files or runs: three priors, finetune or not
+  std::vector<std::filesystem::path> weights;  // files or runs: as Estimator takes them
   std::filesystem::path output;                // folder, written whole or not at all
   int size_px = 0;                             // of the maps; 0: the photo's own, see natural_size
   double person_height_cm = 170;  // of what the mask covers from top to bottom: nothing else gives the scale

@@ -16,7 +16,8 @@ Estimator::Estimator(const std::vector<std::filesystem::path>& files_or_runs, Pr
     } else {
       priors.push_back(file);
     }
-    if (loaded.network.task == Task::kGeometry) main_ = headers_.size();
+    if (loaded.network.task == Task::kGeometry || loaded.network.task == Task::kJoint)
+      main_ = headers_.size();
     headers_.push_back(loaded.header);
     files_.push_back(loaded.file);
   }

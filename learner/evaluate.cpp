@@ -140,7 +140,7 @@ class Evaluation {
       if (row == kPriors && !estimator_.is_whole()) scores.back() = {std::nan(""), std::nan("")};
       sums_[e.person][row].add(scores, measures);
       if (row == (estimator_.has_finetune() ? kFinetuned : kPriors)) by_light_[light].add(scores, measures);
-      if (relights) relit_->add(kRowNames[row], maps);
+      if (relights) relit_->add(name_of(row), maps);
     };
     if (estimator_.has_finetune()) put(kFinetuned, refined);
     put(kPriors, priors);
@@ -158,7 +158,7 @@ class Evaluation {
     report.seconds_a_picture = seconds_ / static_cast<double>(std::max<size_t>(1, pictures_));
     for (int row = 0; row < kRowCount; ++row) {
       EvaluationRow r;
-      r.name = kRowNames[row];
+      r.name = name_of(static_cast<Row>(row));
       for (const auto& [person, rows] : sums_)
         if (const auto found = rows.find(static_cast<Row>(row)); found != rows.end())
           r.people[person] = found->second.mean();
@@ -171,6 +171,10 @@ class Evaluation {
   }
 
  private:
+  std::string name_of(Row row) const {
+    return row == kPriors && estimator_.is_joint() ? "joint" : kRowNames[row];
+  }
+
   const Estimator& estimator_;
   Tensor constant_;
   RelitScores* relit_;

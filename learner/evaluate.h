@@ -48,7 +48,7 @@ struct PartOfPictures {
 };
 
 struct EvaluationReport {
-  std::vector<EvaluationRow> rows;  // finetuned, priors, constant, input as albedo, 8-bit round trip
+  std::vector<EvaluationRow> rows;  // finetuned, priors or joint, constant, input as albedo, 8-bit round trip
   std::vector<PartOfPictures> groups, lights;  // of the first row
   std::vector<std::string> networks;           // task, width, and steps of each, in words
   std::vector<std::string> people;

@@ -73,7 +73,7 @@ std::string spread_lines(const EvaluationRow& row, const Intervals& intervals,
 }
 
 bool is_estimate(const EvaluationRow& row) {
-  return row.name == "finetuned" || row.name == "priors";
+  return row.name == "finetuned" || row.name == "priors" || row.name == "joint";
 }
 
 std::string psnr_table(const EvaluationReport& report, double Psnr::*value, const std::string& title) {

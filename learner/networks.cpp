@@ -32,6 +32,11 @@ nn::GroupNorm group_norm(int64_t channels) {
   return nn::GroupNorm(nn::GroupNormOptions(std::min<int64_t>(16, channels / 4), channels));
 }
 
+/// SiLU after group norm.
+Tensor activated(const Tensor& x, const nn::GroupNorm& norm) {
+  return norm_silu(x, norm->options.num_groups(), norm->weight, norm->bias, norm->options.eps());
+}
+
 Tensor doubled(const Tensor& x) {
   return F::interpolate(x, F::InterpolateFuncOptions()
                                .size(std::vector<int64_t>{2 * x.size(2), 2 * x.size(3)})
@@ -82,7 +87,7 @@ ConvBlockImpl::ConvBlockImpl(int64_t in, int64_t out, Scale block_scale)
 Tensor ConvBlockImpl::forward(Tensor x) {
   x = pointwise(x, mix->weight, mix->bias);
   if (scale == Scale::kUp) x = doubled(x);
-  return norm_silu(conv(x), norm->options.num_groups(), norm->weight, norm->bias, norm->options.eps());
+  return activated(conv(x), norm);
 }
 
 GuidanceEncoderImpl::GuidanceEncoderImpl(int64_t in, double width) {
@@ -248,6 +253,61 @@ Tensor FinetuneNetImpl::forward(Tensor input, const Tensor& maps) {
   Tensor logits = torch::cat(outputs, 1);
   if (residual) logits = logits + torch::logit(maps.clamp(kLeastGuidance, 1 - kLeastGuidance));
   return torch::sigmoid(logits);
+}
+
+ResidualBlockImpl::ResidualBlockImpl(int64_t channels) {
+  for (size_t i = 0; i < 2; ++i) {
+    norm[i] = register_module("norm" + std::to_string(i), group_norm(channels));
+    conv[i] = register_module("conv" + std::to_string(i), conv3(channels, channels, 1, i == 1));
+  }
+}
+
+Tensor ResidualBlockImpl::forward(const Tensor& x) {
+  Tensor change = x;
+  for (size_t i = 0; i < 2; ++i) change = conv[i](activated(change, norm[i]));
+  return x + change;
+}
+
+JointNetImpl::JointNetImpl(int64_t out, double width) {
+  std::array<int64_t, 4> channels;
+  for (size_t i = 0; i < 4; ++i) channels[i] = scaled_width(kWidths[i], width);
+  const auto add_blocks = [&](const std::string& side, size_t level, int count) {
+    std::vector<ResidualBlock> blocks;
+    for (int k = 0; k < count; ++k)
+      blocks.push_back(register_module(side + std::to_string(level) + "_block" + std::to_string(k),
+                                       ResidualBlock(channels[level])));
+    return blocks;
+  };
+  stem = register_module("stem", conv1(4 * 4, channels[0], true));
+  for (size_t i = 0; i < 4; ++i) {
+    blocks_down[i] = add_blocks("down", i, kBlocksDown[i]);
+    blocks_up[i] = add_blocks("up", i, kBlocksUp[i]);
+    if (i == 3) break;
+    down[i] = register_module("down" + std::to_string(i), conv3(channels[i], channels[i + 1], 2, true));
+    up[i] = register_module("up" + std::to_string(i), conv1(channels[i + 1], channels[i], true));
+  }
+  fusion = register_module("fusion", FusionBlock(channels[3], channels[2]));
+  norm = register_module("norm", group_norm(channels[0]));
+  head = register_module("head", conv1(channels[0] + 4 * 4, 4 * out, true));
+}
+
+Tensor JointNetImpl::forward(Tensor input) {
+  check_input(input, 4);
+  input = torch::pixel_unshuffle(input, 2).contiguous(torch::MemoryFormat::ChannelsLast);
+  std::array<Tensor, 4> features;
+  Tensor x = pointwise(input, stem->weight, stem->bias);
+  for (size_t i = 0; i < 4; ++i) {
+    if (i > 0) x = down[i - 1](x);
+    for (ResidualBlock& block : blocks_down[i]) x = block(x);
+    features[i] = x;
+  }
+  x = fusion(x, std::vector<Tensor>{features[2]});
+  for (size_t i = 4; i-- > 0;) {
+    if (i < 3) x = features[i] + doubled(pointwise(x, up[i]->weight, up[i]->bias));
+    for (ResidualBlock& block : blocks_up[i]) x = block(x);
+  }
+  x = torch::cat({activated(x, norm), input}, 1);
+  return torch::sigmoid(torch::pixel_shuffle(pointwise(x, head->weight, head->bias), 2));
 }
 
 }  // namespace ohb::learner

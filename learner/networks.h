@@ -1,5 +1,5 @@
 // The paper's networks: three priors (geometry; diffuse albedo; roughness, specular and subsurface) of one
-// shape, and the finetuning model that refines their maps together.
+// shape, and the finetuning model that refines their maps together; and one network of our own for all maps.
 //
 // What the paper leaves open is chosen as docs/learner.md says. In short, with widths at multiplier 1:
 //   stem 1x1 64 @1; down 128 @1/2, 256 @1/4, 512 @1/8, 512 @1/16; transformer 512 @1/16;
@@ -117,5 +117,33 @@ struct FinetuneNetImpl : torch::nn::Module {
   std::array<Decoder, 4> decoders{nullptr, nullptr, nullptr, nullptr};
 };
 TORCH_MODULE(FinetuneNet);
+
+/// x + conv(norm, SiLU(conv(norm, SiLU(x)))), 3x3 each (He, Zhang, Ren and Sun 2016, pre-activation).
+struct ResidualBlockImpl : torch::nn::Module {
+  explicit ResidualBlockImpl(int64_t channels);
+  torch::Tensor forward(const torch::Tensor& x);
+
+  std::array<torch::nn::GroupNorm, 2> norm{nullptr, nullptr};
+  std::array<torch::nn::Conv2d, 2> conv{nullptr, nullptr};
+};
+TORCH_MODULE(ResidualBlock);
+
+/// All maps by one trunk (not in the paper). Input as a prior's, output as the finetuning model's. Pixels are
+/// gathered two by two at once, so that nothing but that runs at full size: 128 channels at 1/2, 256 at 1/4,
+/// 512 at 1/8 and 1024 at 1/16 at multiplier 1, residual blocks, skips that are added, and at 1/16 the
+/// transformer block, whose guidance is what the trunk saw at 1/8.
+struct JointNetImpl : torch::nn::Module {
+  JointNetImpl(int64_t out, double width);
+  torch::Tensor forward(torch::Tensor input);
+
+  static constexpr std::array<int64_t, 4> kWidths = {128, 256, 512, 1024};
+  static constexpr std::array<int, 4> kBlocksDown = {1, 1, 2, 1}, kBlocksUp = {1, 1, 1, 1};
+  torch::nn::Conv2d stem{nullptr}, head{nullptr};
+  std::array<std::vector<ResidualBlock>, 4> blocks_down, blocks_up;
+  std::array<torch::nn::Conv2d, 3> down{nullptr, nullptr, nullptr}, up{nullptr, nullptr, nullptr};
+  FusionBlock fusion{nullptr};
+  torch::nn::GroupNorm norm{nullptr};
+};
+TORCH_MODULE(JointNet);
 
 }  // namespace ohb::learner

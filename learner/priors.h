@@ -1,4 +1,4 @@
-// The three priors as one network.
+// What estimates maps from a picture alone: the three priors as one network, or the joint one.
 #pragma once
 
 #include <filesystem>
@@ -14,12 +14,13 @@ enum class PriorsNeeded { kAll, kAny };
 
 /// The priors' ten channels side by side, in the order of the finetuning model, without gradients; NaN in
 /// those of a prior that is not there. Throws InputError unless `priors` are one of geometry, albedo and rss
-/// each, in any order (kAny: at least one of them, none twice).
+/// each, in any order (kAny: at least one of them, none twice), or one joint network.
 class PriorSet {
  public:
   explicit PriorSet(const std::vector<std::filesystem::path>& files_or_runs,
                     PriorsNeeded needed = PriorsNeeded::kAll);
-  bool is_whole() const { return networks_.size() == 3; }
+  bool is_joint() const { return networks_.count(Task::kJoint) > 0; }
+  bool is_whole() const { return is_joint() || networks_.size() == kPriorTasks.size(); }
   const std::map<Task, Network>& networks() const { return networks_; }
   void move_to(const torch::Device& device);
   /// Of the picture alone: a finetuning model's guidance. On the networks' device, as `input` must be.

@@ -12,7 +12,7 @@
 namespace ohb::learner {
 
 struct StressOptions {
-  std::vector<std::filesystem::path> weights;  // files or runs: three priors, finetune or not
+  std::vector<std::filesystem::path> weights;  // files or runs: as Estimator takes them
   std::filesystem::path data;
   std::vector<std::string> people;     // as EvaluateOptions
   int size_px = 0;                     // 0: as trained

@@ -46,6 +46,11 @@ Tensor with_balanced_rss(const Tensor& difference) {
   return others == 0 ? balanced : torch::cat({difference.slice(1, 0, others), balanced}, 1);
 }
 
+/// Whether it puts out all maps.
+bool is_whole(Task task) {
+  return task == Task::kFinetune || task == Task::kJoint;
+}
+
 Tensor rendering_loss(const MaterialMaps& estimate, const MaterialMaps& truth, const Tensor& mask,
                       const std::vector<shading::Light<double>>& lights, const LossOptions& options) {
   if (mask.device().is_cpu()) return fused_rendering_loss(estimate, truth, mask, lights, options.shading);
@@ -62,6 +67,8 @@ const char* name_of(Task task) {
       return "albedo";
     case Task::kRss:
       return "rss";
+    case Task::kJoint:
+      return "joint";
     case Task::kFinetune:
       break;
   }
@@ -71,22 +78,24 @@ const char* name_of(Task task) {
 Task task_from_name(const std::string& name) {
   for (const Task task : kTasks)
     if (name == name_of(task)) return task;
-  throw InputError("", "'" + name + "'", "is no model", "name geometry, albedo, rss or finetune");
+  throw InputError("", "'" + name + "'", "is no model", "name geometry, albedo, rss, finetune or joint");
 }
 
 torch::nn::Module& Network::module() const {
   if (task == Task::kFinetune) return *finetune.ptr();
+  if (task == Task::kJoint) return *joint.ptr();
   return *prior.ptr();
 }
 
 Tensor Network::forward(const Tensor& input, const Tensor& guidance) const {
   if (task == Task::kFinetune) return finetune.ptr()->forward(input, guidance);
+  if (task == Task::kJoint) return joint.ptr()->forward(input);
   return prior.ptr()->forward(input);
 }
 
 Tensor mirrored_output(Task task, const Tensor& output) {
   Tensor mirrored = output.flip(3);
-  if (task == Task::kGeometry || task == Task::kFinetune) {
+  if (task == Task::kGeometry || is_whole(task)) {
     Tensor x = mirrored.select(1, 0);
     x.copy_(1 - x);
   }
@@ -102,6 +111,8 @@ Network make_network(Task task, double width, bool residual) {
   Network network{task, width, task == Task::kFinetune && residual};
   if (task == Task::kFinetune)
     network.finetune = FinetuneNet(width, residual);
+  else if (task == Task::kJoint)
+    network.joint = JointNet(output_channels(task), width);
   else
     network.prior = PriorNet(output_channels(task), width);
   return network;
@@ -116,6 +127,7 @@ int64_t output_channels(Task task) {
     case Task::kRss:
       return rss_channels();
     case Task::kFinetune:
+    case Task::kJoint:
       break;
   }
   return 7 + rss_channels();
@@ -130,17 +142,18 @@ Tensor encoded_maps(Task task, const MaterialMaps& maps) {
     case Task::kRss:
       return encoded_rss(maps);
     case Task::kFinetune:
+    case Task::kJoint:
       break;
   }
   return torch::cat({encoded_geometry(maps), srgb_of(maps.diffuse), encoded_rss(maps)}, 1);
 }
 
 MaterialMaps maps_of(Task task, const Tensor& output, MaterialMaps maps) {
-  if (task == Task::kGeometry || task == Task::kFinetune) set_geometry(maps, output, 0);
+  if (task == Task::kGeometry || is_whole(task)) set_geometry(maps, output, 0);
   if (task == Task::kAlbedo) maps.diffuse = linear_of(output);
-  if (task == Task::kFinetune) maps.diffuse = linear_of(output.slice(1, 4, 7));
+  if (is_whole(task)) maps.diffuse = linear_of(output.slice(1, 4, 7));
   if (task == Task::kRss) set_rss(maps, output, 0);
-  if (task == Task::kFinetune) set_rss(maps, output, 7);
+  if (is_whole(task)) set_rss(maps, output, 7);
   return maps;
 }
 
@@ -170,8 +183,28 @@ Tensor srgb_of(const Tensor& linear) {
   return torch::where(x <= 0.0031308, x * 12.92, 1.055 * torch::pow(x.clamp_min(0.0031308), 1 / 2.4) - 0.055);
 }
 
+namespace {
+
+Losses joint_losses_of(const Tensor& output, const MaterialMaps& truth, const Tensor& mask,
+                       const std::vector<shading::Light<double>>& lights, const LossOptions& options) {
+  Losses joint;
+  int64_t first = 0;
+  for (const Task task : kPriorTasks) {
+    const int64_t end = first + output_channels(task);
+    const Losses part = losses_of(task, output.slice(1, first, end), truth, mask, lights, options);
+    joint.map = joint.map.defined() ? joint.map + part.map / 3 : part.map / 3;
+    joint.render = joint.render.defined() ? joint.render + part.render / 3 : part.render / 3;
+    first = end;
+  }
+  joint.total = joint.map + options.render_weight * joint.render;
+  return joint;
+}
+
+}  // namespace
+
 Losses losses_of(Task task, const Tensor& output, const MaterialMaps& truth, const Tensor& mask,
                  const std::vector<shading::Light<double>>& lights, const LossOptions& options) {
+  if (task == Task::kJoint) return joint_losses_of(output, truth, mask, lights, options);
   const MaterialMaps estimate = maps_of(task, output, truth);
   // Normals count after normalisation: their length in the output means nothing.
   const bool has_normal = task == Task::kGeometry || task == Task::kFinetune;

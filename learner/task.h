@@ -1,4 +1,4 @@
-// The four things that can be trained, their networks behind one face, and how outputs and maps correspond.
+// The five things that can be trained, their networks behind one face, and how outputs and maps correspond.
 #pragma once
 
 #include <functional>
@@ -10,10 +10,13 @@
 
 namespace ohb::learner {
 
-enum class Task { kGeometry, kAlbedo, kRss, kFinetune };
-constexpr std::array<Task, 4> kTasks = {Task::kGeometry, Task::kAlbedo, Task::kRss, Task::kFinetune};
+enum class Task { kGeometry, kAlbedo, kRss, kFinetune, kJoint };
+constexpr std::array<Task, 5> kTasks = {Task::kGeometry, Task::kAlbedo, Task::kRss, Task::kFinetune,
+                                        Task::kJoint};
+/// Together they put out what kFinetune and kJoint do, in this order.
+constexpr std::array<Task, 3> kPriorTasks = {Task::kGeometry, Task::kAlbedo, Task::kRss};
 
-/// "geometry", "albedo", "rss", "finetune".
+/// "geometry", "albedo", "rss", "finetune", "joint".
 const char* name_of(Task task);
 /// Throws InputError for another name.
 Task task_from_name(const std::string& name);
@@ -23,8 +26,9 @@ struct Network {
   Task task;
   double width;
   bool residual;                  // finetune: FinetuneNetImpl::residual
-  PriorNet prior{nullptr};        // all but finetune
+  PriorNet prior{nullptr};        // geometry, albedo, rss
   FinetuneNet finetune{nullptr};  // finetune
+  JointNet joint{nullptr};        // joint
 
   torch::nn::Module& module() const;
   /// `guidance` (B, 10, H, W) is used by finetune only. Output: (B, output_channels(task), H, W) in (0, 1).
@@ -44,7 +48,8 @@ torch::Tensor two_sided_output(Task task, const std::function<torch::Tensor(cons
 torch::Tensor mirrored_output(Task task, const torch::Tensor& output);
 
 /// geometry 4: normal as (n + 1) / 2, displacement as 0.5 + d / 2 (d in half frames). albedo 3: sRGB-encoded.
-/// rss 3: those of kMaps with a span (roughness, S, sss). finetune 10: normal, displacement, albedo, rss.
+/// rss 3: those of kMaps with a span (roughness, S, sss). finetune and joint 10: normal, displacement,
+/// albedo, rss.
 int64_t output_channels(Task task);
 
 /// The maps as a network of that task puts them out; the inverse of maps_of.
@@ -83,6 +88,8 @@ struct LossOptions {
 /// of materials (0.6, 0.079, 0.08), and takes the mean of the absolute and the squared difference. S and sss
 /// then weigh as much as roughness does; and where the material is uncertain the squared part asks for its
 /// mean, which is what PSNR judges, not for the likelier of two.
+///
+/// joint: the means of the three priors' losses of its parts, each under its own CPR.
 Losses losses_of(Task task, const torch::Tensor& output, const MaterialMaps& truth, const torch::Tensor& mask,
                  const std::vector<shading::Light<double>>& lights, const LossOptions& options = {});
 

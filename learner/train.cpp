@@ -363,8 +363,8 @@ void check_train_options(const TrainOptions& o) {
   if (!(o.learning_rate > 0)) refuse("--learning-rate", "is not above 0");
   if (o.guidance == Guidance::kPriors && o.task != Task::kFinetune)
     refuse("--guidance priors", "is for finetune only");
-  if (o.guidance == Guidance::kPriors && o.priors.size() != 3)
-    refuse("--priors", "needs three files or runs: geometry, albedo and rss");
+  if (o.guidance == Guidance::kPriors && o.priors.size() != 3 && o.priors.size() != 1)
+    refuse("--priors", "needs geometry, albedo and rss, or joint");
 }
 
 double learning_rate_at(const TrainOptions& o, int64_t step, int64_t steps) {

@@ -1,4 +1,4 @@
-// Training of a prior or of the finetuning model.
+// Training of a network.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +44,7 @@ struct TrainOptions {
   bool average = false;        // the weights are averages over the last steps (not in the paper)
   bool residual = false;       // finetune: see FinetuneNetImpl (not in the paper)
   Guidance guidance = Guidance::kTruth;
-  std::vector<std::filesystem::path> priors;  // three of them for Guidance::kPriors
+  std::vector<std::filesystem::path> priors;  // for Guidance::kPriors, as PriorSet takes them
   uint64_t seed = 1;
   torch::Device device = torch::kCPU;   // a run may be resumed on another
   int threads = 0, loader_threads = 1;  // 0: all processors

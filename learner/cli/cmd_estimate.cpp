@@ -43,7 +43,7 @@ int run_estimate(Arguments arguments, const CommonOptions& common) {
     std::printf("%d people found, by size; this is --person %d\n", report.people, o.matting.person);
   std::printf("%s: maps of %d x %d from a square of %.0f px, %s, %.2f s\n", arguments.output.c_str(),
               report.size_px, report.size_px, report.crop.side_px,
-              report.finetuned ? "finetuned" : "priors only", report.seconds);
+              report.finetuned ? "finetuned" : "not finetuned", report.seconds);
   return 0;
 }
 
@@ -65,7 +65,7 @@ void add_estimate_command(CLI::App& app, Commands& commands) {
       ->capture_default_str();
   command
       ->add_option("--weights", arguments->weights,
-                   "runs or weights: geometry, albedo, rss, and finetune or not")
+                   "runs or weights: joint, or geometry, albedo and rss; finetune or not")
       ->required();
   command
       ->add_option("--size", arguments->estimate.size_px,

@@ -68,7 +68,7 @@ void add_evaluate_command(CLI::App& app, Commands& commands) {
   auto arguments = std::make_shared<Arguments>();
   command
       ->add_option("RUN", arguments->weights,
-                   "runs or weights: geometry, albedo, rss, or some of them; with all, finetune or not")
+                   "runs or weights: joint, or geometry, albedo and rss or some of them; finetune or not")
       ->required();
   command->add_option("--data", arguments->data, "folder with a folder of views a person")->required();
   command->add_option(

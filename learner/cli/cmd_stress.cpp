@@ -52,7 +52,8 @@ void add_stress_command(CLI::App& app, Commands& commands) {
       "stress", "Where estimates break: hard light, noise, JPEG, wrong masks, crops, sizes");
   auto arguments = std::make_shared<Arguments>();
   command
-      ->add_option("RUN", arguments->weights, "runs or weights: geometry, albedo, rss, and finetune or not")
+      ->add_option("RUN", arguments->weights,
+                   "runs or weights: joint, or geometry, albedo and rss; finetune or not")
       ->required();
   command->add_option("--data", arguments->data, "folder with a folder of views a person")->required();
   command->add_option("--person", arguments->stress.people,

@@ -31,7 +31,7 @@ int run_torchscript(const Arguments& arguments, const CommonOptions& common) {
   const auto size_px = static_cast<long long>(report.size_px);
   std::printf("%s: pictures of %lld x %lld to their maps, %.1f million parameters, %s\n",
               arguments.output.c_str(), size_px, size_px, static_cast<double>(report.parameters) / 1e6,
-              estimator.has_finetune() ? "finetuned" : "priors only");
+              estimator.has_finetune() ? "finetuned" : "not finetuned");
   return 0;
 }
 
@@ -42,7 +42,7 @@ void add_torchscript_command(CLI::App& app, Commands& commands) {
   auto arguments = std::make_shared<Arguments>();
   command
       ->add_option("--weights", arguments->weights,
-                   "runs or weights: geometry, albedo, rss, and finetune or not")
+                   "runs or weights: joint, or geometry, albedo and rss; finetune or not")
       ->required();
   command->add_option("-o,--output", arguments->output, "TorchScript file, such as estimator.pt")->required();
   add_common_options(*command, commands.common);

@@ -119,7 +119,8 @@ void add_finetuning(CLI::App& command, Arguments& arguments) {
   command.add_option("--guidance", arguments.guidance, "finetune: maps to refine while it trains")
       ->check(CLI::IsMember({"truth", "priors"}))
       ->capture_default_str();
-  command.add_option("--priors", arguments.priors, "finetune with --guidance priors: three runs or weights");
+  command.add_option("--priors", arguments.priors,
+                     "finetune with --guidance priors: runs or weights of the three priors, or of joint");
   command.add_flag("--residual", arguments.train.residual,
                    "finetune: put out changes to its guidance, not maps (the paper puts out maps)");
 }
@@ -189,10 +190,12 @@ void add_bookkeeping(CLI::App& command, Arguments& arguments) {
 }  // namespace
 
 void add_train_command(CLI::App& app, Commands& commands) {
-  CLI::App* command =
-      app.add_subcommand("train", "Trains a prior or the finetuning model on rendered samples");
+  CLI::App* command = app.add_subcommand("train", "Trains a network on rendered samples");
   auto arguments = std::make_shared<Arguments>();
-  command->add_option("MODEL", arguments->task, "geometry, albedo, rss or finetune")->required();
+  command
+      ->add_option("MODEL", arguments->task,
+                   "geometry, albedo, rss, finetune, or joint, which estimates all maps")
+      ->required();
   command->add_option("--data", arguments->data, "folder with a folder of views a person")->required();
   command->add_option("-o,--output", arguments->output, "folder of the run")->required();
   command->add_flag("--resume", arguments->train.resume,

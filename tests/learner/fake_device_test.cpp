@@ -126,7 +126,7 @@ TEST(FakeDevice, PriorsGuideWhereTheyAreMovedTo) {
   const TemporaryFolder folder;
   write_ball_dataset(folder / "data", 2, 2, 16);
   std::vector<std::filesystem::path> priors;
-  for (const Task task : {Task::kGeometry, Task::kAlbedo, Task::kRss})
+  for (const Task task : kPriorTasks)
     priors.push_back(train(options_of(folder, task, name_of(task), 1)).weights);
   for (const auto& device : {torch::Device(torch::kCPU), fake_device()}) {
     TrainOptions o = options_of(folder, Task::kFinetune, device.is_cpu() ? "cpu" : "fake", 1);

@@ -104,6 +104,29 @@ TEST(Losses, CountTheForegroundOnly) {
   EXPECT_NEAR(losses_of(Task::kRss, output, truth, mask, training_lights(1)).total.item<double>(), 0, 1e-6);
 }
 
+// Each part is judged as its prior would be, whatever the other parts are.
+TEST(Losses, OfTheJointNetworkAreThoseOfItsParts) {
+  const MaterialMaps truth = random_maps(1, 16, 16, torch::kDouble, 7);
+  const Tensor exact = encoded_maps(Task::kJoint, truth), wrong = 0.8 * exact + 0.1;
+  const Tensor mask = torch::ones({1, 1, 16, 16}, torch::kDouble);
+  const auto lights = training_lights(1);
+  double sum = 0;
+  int64_t first = 0;
+  for (const Task task : kPriorTasks) {
+    const int64_t end = first + output_channels(task);
+    Tensor output = exact.clone();
+    output.slice(1, first, end).copy_(wrong.slice(1, first, end));
+    const double prior =
+        losses_of(task, wrong.slice(1, first, end), truth, mask, lights).total.item<double>();
+    EXPECT_NEAR(losses_of(Task::kJoint, output, truth, mask, lights).total.item<double>(), prior / 3,
+                1e-6 * prior)
+        << name_of(task);
+    sum += prior;
+    first = end;
+  }
+  EXPECT_NEAR(losses_of(Task::kJoint, wrong, truth, mask, lights).total.item<double>(), sum / 3, 1e-6 * sum);
+}
+
 /// The map loss of an estimate whose channel `channel` of roughness, S and sss is off by `error` in half of
 /// the foreground.
 double loss_of_error(Task task, int64_t channel, double error, bool balanced) {

@@ -9,11 +9,11 @@
 
 namespace ohb {
 
-/// Untrained weights of the three priors (and finetune) at 16 px, as files.
-inline std::vector<std::filesystem::path> weights_in(const TemporaryFolder& folder, bool finetune) {
+/// Untrained weights of these networks at 16 px, as files.
+inline std::vector<std::filesystem::path> weights_of(const std::vector<learner::Task>& tasks,
+                                                     const TemporaryFolder& folder) {
   std::vector<std::filesystem::path> files;
-  for (const learner::Task task : learner::kTasks) {
-    if (task == learner::Task::kFinetune && !finetune) continue;
+  for (const learner::Task task : tasks) {
     torch::manual_seed(3);
     const learner::Network network = learner::make_network(task, 0.125);
     const auto file = folder / (std::string(learner::name_of(task)) + ".safetensors");
@@ -29,6 +29,13 @@ inline std::vector<std::filesystem::path> weights_in(const TemporaryFolder& fold
     files.push_back(file);
   }
   return files;
+}
+
+/// Of the three priors (and finetune).
+inline std::vector<std::filesystem::path> weights_in(const TemporaryFolder& folder, bool finetune) {
+  std::vector<learner::Task> tasks(learner::kPriorTasks.begin(), learner::kPriorTasks.end());
+  if (finetune) tasks.push_back(learner::Task::kFinetune);
+  return weights_of(tasks, folder);
 }
 
 }  // namespace ohb

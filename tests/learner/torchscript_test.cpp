@@ -31,18 +31,18 @@ std::map<std::string, Tensor> read_by_torch(torch::jit::Module module, const Ten
   return maps;
 }
 
-class TorchScript : public testing::TestWithParam<bool> {};
+class TorchScript : public testing::TestWithParam<std::vector<Task>> {};
 
 TEST_P(TorchScript, GivesTheMapsOfTheEstimator) {
   TemporaryFolder folder;
-  const Estimator estimator(weights_in(folder, GetParam()));
+  const Estimator estimator(weights_of(GetParam(), folder));
   const ScriptReport report = write_torchscript(estimator, folder / "estimator.pt");
   EXPECT_EQ(report.size_px, 16);
   int64_t parameters = 0;
   for (const Network& network : estimator.networks())
     for (const Tensor& parameter : network.module().parameters()) parameters += parameter.numel();
   EXPECT_EQ(report.parameters, parameters);
-  EXPECT_EQ(estimator.networks().size(), GetParam() ? 4u : 3u);
+  EXPECT_EQ(estimator.networks().size(), GetParam().size());
 
   const torch::NoGradGuard no_gradients;
   const torch::jit::Module module = torch::jit::load((folder / "estimator.pt").string());
@@ -62,8 +62,12 @@ TEST_P(TorchScript, GivesTheMapsOfTheEstimator) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Networks, TorchScript, testing::Bool(),
-                         [](const auto& with) { return with.param ? "Finetuned" : "Priors"; });
+INSTANTIATE_TEST_SUITE_P(Networks, TorchScript,
+                         testing::Values(std::vector{Task::kGeometry, Task::kAlbedo, Task::kRss},
+                                         std::vector{Task::kGeometry, Task::kAlbedo, Task::kRss,
+                                                     Task::kFinetune},
+                                         std::vector{Task::kJoint}),
+                         [](const auto& tasks) { return std::string(name_of(tasks.param.back())); });
 
 TEST(TorchScriptFile, SaysWhatItTakesAndHasTheParameters) {
   TemporaryFolder folder;
