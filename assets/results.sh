@@ -20,7 +20,7 @@ learner=${HUMANMATERIAL:-$here/../build/release/bin/humanmaterial}
 data=$1 page=$2
 shift 2
 networks=("$@")
-if [ $# -eq 0 ]; then networks=("$here"/weights/{geometry,albedo,rss}.safetensors); fi
+if [ $# -eq 0 ]; then networks=("$here"/weights/*.safetensors); fi
 if [ -n "${KEEP:-}" ]; then work=$KEEP; mkdir -p "$work"; else work=$(mktemp -d); trap 'rm -rf "$work"' EXIT; fi
 
 [ -d "$work/evaluation" ] || "$learner" evaluate "${networks[@]}" --data "$data" -o "$work/evaluation" >/dev/null

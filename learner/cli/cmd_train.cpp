@@ -216,7 +216,8 @@ void add_train_command(CLI::App& app, Commands& commands) {
   add_seed_option(*command, commands.common);
   command->footer(program::help_footer(
       {"humanmaterial train geometry --data dataset --size 128 --width 0.25 --epochs 20 -o runs/geometry",
-       "humanmaterial train albedo --from assets/weights/albedo.safetensors --data dataset -o runs/albedo",
+       "humanmaterial train joint --preset best --learning-rate 1e-3 --cosine --steps 24000 --data dataset "
+       "-o runs/joint",
        "humanmaterial train finetune --data dataset --guidance priors --priors runs/geometry runs/albedo "
        "runs/rss -o runs/finetune"},
       "SIGINT and SIGTERM save and exit with 75; --resume goes on, bit for bit as if nothing had happened.\n"

@@ -107,7 +107,7 @@ def main():
     count = int(sys.argv[5]) if len(sys.argv) == 6 else 40
     out.mkdir(parents=True, exist_ok=True)
     people = sorted((dataset / "humans").iterdir())[:(count + 1) // 2]
-    weights = [ROOT / "assets/weights" / f"{name}.safetensors" for name in ("geometry", "albedo", "rss")]
+    weights = sorted((ROOT / "assets/weights").glob("*.safetensors"))
     scores = []
     for number in range(count):
         person, view = people[number // 2], number % 2

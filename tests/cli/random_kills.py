@@ -40,7 +40,7 @@ class Command:
 
 def commands_of(program, learner, folder, out):
     scan, grey = folder / "scan.obj", folder / "grey.hdr"
-    weights = [SOURCE / "assets" / "weights" / (name + ".safetensors") for name in ("geometry", "albedo", "rss")]
+    weights = sorted((SOURCE / "assets" / "weights").glob("*.safetensors"))
     photo = folder / "samples" / "ada" / "previews"
     estimate = [learner, "estimate", photo / "view_000.relit.grey.png", "--mask", photo / "view_000.mask.png", "--weights",
                 *weights, "--size", 64, "-o"]

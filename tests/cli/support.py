@@ -59,7 +59,7 @@ class Fixture:
             self.must(self.estimate(f / "maps"))
 
     def estimate(self, output):
-        weights = [ROOT / "assets/weights" / (name + ".safetensors") for name in ("geometry", "albedo", "rss")]
+        weights = sorted((ROOT / "assets/weights").glob("*.safetensors"))
         return ["humanmaterial", "estimate", self.photo, "--mask", self.mask, "--weights", *weights, "--size", 64, "-o", output]
 
     def write_plan(self, name="plan.xml", views=1, size=16, spp=1):

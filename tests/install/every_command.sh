@@ -56,7 +56,7 @@ if [ -x "$prefix/bin/humanmaterial" ]; then
   done
   humanmaterial evaluate runs/* --data data --no-relight -o evaluation
   humanmaterial estimate samples/previews/view_000.relit.studio.png --mask samples/previews/view_000.mask.png \
-    --weights "$share"/assets/weights/{geometry,albedo,rss}.safetensors -o maps
+    --weights "$share"/assets/weights/*.safetensors -o maps
   if command -v blender >/dev/null; then
     humanmaterial relight maps --environment "$sky" --edit fabric:red --size 64 --spp 2 -o relit.png
   fi

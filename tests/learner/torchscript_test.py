@@ -86,7 +86,7 @@ class Estimate(unittest.TestCase):
         with tempfile.TemporaryDirectory() as name:
             folder = pathlib.Path(name)
             write_photo(folder)
-            weights = [os.path.join(WEIGHTS, name + ".safetensors") for name in ("geometry", "albedo", "rss")]
+            weights = [os.path.join(WEIGHTS, name) for name in sorted(os.listdir(WEIGHTS)) if name.endswith(".safetensors")]
             script, maps = folder / "estimator.pt", folder / "maps"
             subprocess.run([HUMANMATERIAL, "torchscript", "--weights", *weights, "-o", script], check=True)
             subprocess.run([HUMANMATERIAL, "estimate", folder / "photo.png", "--mask", folder / "mask.png", "--weights", *weights, "--size", str(SIZE),
