@@ -43,18 +43,16 @@ Batch moved_to(const torch::Device& device, Batch batch) {
   return batch;
 }
 
-Batch next_batch(Loader& loader, int size, const Augmentation& augmentation, uint64_t first_position) {
+void vary(Example& example, const Augmentation& augmentation, uint64_t position) {
+  if (augmentation.mirror_key != 0 && uniform_of(augmentation.mirror_key, position) < 0.5) mirror(example);
+  if (augmentation.recolour_key != 0 && uniform_of(augmentation.recolour_key, position) < 0.5)
+    recolour(example, key_of({augmentation.recolour_key, position}));
+  if (augmentation.snapshot_key != 0) take_snapshot(example, key_of({augmentation.snapshot_key, position}));
+}
+
+Batch next_batch(Loader& loader, int size) {
   std::vector<Example> examples;
-  for (int i = 0; i < size; ++i) {
-    const uint64_t position = first_position + static_cast<uint64_t>(i);
-    examples.push_back(loader.next());
-    if (augmentation.mirror_key != 0 && uniform_of(augmentation.mirror_key, position) < 0.5)
-      mirror(examples.back());
-    if (augmentation.recolour_key != 0 && uniform_of(augmentation.recolour_key, position) < 0.5)
-      recolour(examples.back(), key_of({augmentation.recolour_key, position}));
-    if (augmentation.snapshot_key != 0)
-      take_snapshot(examples.back(), key_of({augmentation.snapshot_key, position}));
-  }
+  for (int i = 0; i < size; ++i) examples.push_back(loader.next());
   return joined(examples);
 }
 

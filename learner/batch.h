@@ -23,8 +23,11 @@ struct Augmentation {
   uint64_t mirror_key = 0, recolour_key = 0, snapshot_key = 0;
 };
 
-/// The loader's next `size` examples. Half of them are mirrored, another half recoloured, all taken by a
-/// camera: which ones and how is a function of key and position. Throws as Loader::next.
-Batch next_batch(Loader& loader, int size, const Augmentation& augmentation, uint64_t first_position);
+/// Half of the examples are mirrored, another half recoloured, all taken by a camera: which ones and how is a
+/// function of key and position.
+void vary(Example& example, const Augmentation& augmentation, uint64_t position);
+
+/// The loader's next `size` examples. Throws as Loader::next.
+Batch next_batch(Loader& loader, int size);
 
 }  // namespace ohb::learner

@@ -24,7 +24,7 @@ Draw draw_at(uint64_t seed, uint64_t position, size_t view_count) {
 }
 
 Loader::Loader(std::vector<std::filesystem::path> views, Settings settings)
-    : views_(std::move(views)), settings_(settings) {
+    : views_(std::move(views)), settings_(std::move(settings)) {
   if (views_.empty()) throw InputError("", "--data", "there is no view to read", "give a dataset with views");
   for (int i = 0; i < std::max(1, settings_.threads); ++i) workers_.emplace_back([this] { work(); });
 }
@@ -53,6 +53,7 @@ void Loader::work() {
       const auto key = [&](uint64_t of_run) { return of_run == 0 ? 0 : key_of({of_run, position}); };
       result.example = read_example(views_[draw.view], draw.light_key, settings_.size_px,
                                     {key(settings_.keys.part), key(settings_.keys.mixture)});
+      if (settings_.vary) settings_.vary(result.example, position);
     } catch (...) {
       result.error = std::current_exception();
     }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -33,6 +34,8 @@ class Loader {
     // Positions in blocks: `block` of them, then on to `stride` after the block's first.
     uint64_t block = 1, stride = 1;
     Variations keys = {};  // of the run: each position has keys of its own
+    /// Done to each example once it is read, with its position, by the threads that read.
+    std::function<void(Example&, uint64_t)> vary = {};
   };
   /// Throws InputError if there is no view.
   Loader(std::vector<std::filesystem::path> views, Settings settings);
@@ -40,7 +43,7 @@ class Loader {
   Loader(const Loader&) = delete;
   Loader& operator=(const Loader&) = delete;
 
-  /// The next example. Throws what reading it threw (InputError naming the file).
+  /// The next example. Throws what reading or varying it threw (InputError naming the file).
   Example next();
   /// Seconds that next() has waited for files so far.
   double waited_s() const { return waited_s_; }

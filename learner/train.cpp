@@ -144,6 +144,9 @@ class Trainer {
     settings.block = static_cast<uint64_t>(batch_of_rank());
     settings.stride = static_cast<uint64_t>(options_.batch);
     settings.keys = {key_if(options_.parts, kPart), key_if(options_.mix_lights, kMixture)};
+    const Augmentation augmentation{key_if(options_.mirror, kMirror), key_if(options_.recolour, kRecolour),
+                                    key_if(options_.snapshots, kSnapshot)};
+    settings.vary = [augmentation](Example& e, uint64_t position) { vary(e, augmentation, position); };
     return settings;
   }
   uint64_t first_position_of(int64_t step) const {
@@ -305,8 +308,6 @@ TrainReport Trainer::run() {
         {"device", options_.device.str()},
         {"options", header_}});
   Loader loader(views_, loader_settings());
-  const Augmentation augmentation{key_if(options_.mirror, kMirror), key_if(options_.recolour, kRecolour),
-                                  key_if(options_.snapshots, kSnapshot)};
   TrainProgress progress(first_step_, steps_, options_.quiet);
   const int64_t tenth = std::max<int64_t>(1, (steps_ - first_step_) / 10);
   Means logged, first, last;
@@ -314,8 +315,7 @@ TrainReport Trainer::run() {
   std::unique_ptr<StepProfile> profile;  // the first step, which makes threads and buffers, is left out
   for (int64_t number = first_step_ + 1; number <= steps_; ++number) {
     if (options_.profile && number == first_step_ + 2) profile = std::make_unique<StepProfile>();
-    const Batch batch = moved_to(
-        options_.device, next_batch(loader, batch_of_rank(), augmentation, first_position_of(number)));
+    const Batch batch = moved_to(options_.device, next_batch(loader, batch_of_rank()));
     const Step result = step(batch, number);
     in_a_row = result.finite() ? 0 : in_a_row + 1;
     if (result.finite()) {
