@@ -34,6 +34,7 @@ const std::vector<Preset>& presets() {
       {"best",
        {{"--batch", "2"},
         {"--learning-rate", "5e-4"},
+        {"--render-weight", "0"},
         {"--average", "true"},
         {"--mirror", "true"},
         {"--recolour", "true"},

@@ -148,7 +148,7 @@ TEST(Evaluate, OnePriorAlone) {
   o.weights = {weights[0], weights[1], weights[3]};
   expect_message(input_error_of([&] { evaluate(o); }), {"no rss prior"});
   o.weights = {weights[0], weights[0]};
-  expect_message(input_error_of([&] { evaluate(o); }), {"second geometry prior"});
+  expect_message(input_error_of([&] { evaluate(o); }), {"second geometry network"});
 }
 
 TEST(Estimate, WritesAFolderThatSaysWhatItIs) {
