@@ -65,8 +65,7 @@ sample far 1 train 512 'count="8" size_px="128" spp="16"' 4 people_c people_b pe
 sample near 3 train 1024 'count="8" size_px="256" spp="12"' 2 people_e
 sample people 2 test 512 'count="4" size_px="128" spp="48"' 3 people_test
 
-common=(--data "$out/samples_train" --size 128 --width 0.25 --batch 2 --learning-rate 5e-4 --mirror --recolour
-  --snapshots --parts --mix-lights --average --hold-out p0000_f25_asian --threads "${THREADS:-0}" --resume)
+common=(--data "$out/samples_train" --preset best --size 128 --width 0.25 --cosine --hold-out p0000_f25_asian --threads "${THREADS:-0}" --resume)
 priors=()
 train() {  # MODEL STEPS OPTIONS...
   if [ "$(tail -n 1 "$out/runs/$1/log.jsonl" 2>/dev/null | grep -c "\"done\".*\"step\":$2}")" = 0 ]; then
@@ -75,7 +74,7 @@ train() {  # MODEL STEPS OPTIONS...
 }
 train geometry 20000
 train albedo 28000
-train rss 28000 --balanced
+train rss 28000
 for prior in geometry albedo rss; do priors+=("$out/runs/$prior"); done
 HUMANMATERIAL="$learner" KEEP="$out/report" "$here/results.sh" "$out/samples_test" "$out/results.md" "${priors[@]}"
 echo "$out/results.md"
