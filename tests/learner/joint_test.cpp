@@ -3,7 +3,6 @@
 
 #include "learner/estimator.h"
 #include "learner/evaluate.h"
-#include "learner/train.h"
 #include "test_maps.h"
 #include "test_samples.h"
 #include "test_weights.h"
@@ -48,36 +47,6 @@ TEST(Joint, IsJudgedUnderItsName) {
   o.relit.views_a_person = 0;
   o.quiet = true;
   EXPECT_EQ(evaluate(o).rows[0].name, "joint");
-}
-
-// It guides a finetuning model as three priors do; both together are one estimator, in any order.
-TEST(Joint, GuidesAFinetuningModel) {
-  TemporaryFolder folder;
-  write_ball_dataset(folder / "data", 1, 1, 16);
-  TrainOptions o;
-  o.task = Task::kFinetune;
-  o.data = folder / "data";
-  o.run = folder / "run";
-  o.width = 0.125;
-  o.size_px = 16;
-  o.steps = 1;
-  o.learning_rate = 1e-12;
-  o.quiet = true;
-  o.residual = true;
-  o.guidance = Guidance::kPriors;
-  o.priors = weights_of({Task::kJoint}, folder);
-  train(o);
-  const Tensor input = torch::rand({1, 4, 16, 16}) * 2 - 1;
-  for (const auto& files : {std::vector<std::filesystem::path>{o.run, o.priors[0]}, {o.priors[0], o.run}}) {
-    const Estimator estimator(files);
-    EXPECT_TRUE(
-        torch::allclose(estimator.estimate(input).diffuse, estimator.from_priors(input).diffuse, 1e-4, 1e-5));
-    EXPECT_EQ(estimator.header().at("task"), "joint");
-  }
-  TrainOptions wrong = o;
-  wrong.run = folder / "wrong";
-  wrong.priors = weights_of({Task::kRss}, folder);
-  expect_message(input_error_of([&] { train(wrong); }), {"there is no geometry prior", "or joint"});
 }
 
 }  // namespace

@@ -11,9 +11,8 @@ namespace ohb {
 using namespace learner;
 namespace {
 
-TEST(Residual, ARunBeginsWhereItsPriorsAre) {
-  TemporaryFolder folder;
-  write_ball_dataset(folder / "data", 1, 1, 16);
+/// A residual finetuning run in folder / "run" that learns nothing to speak of.
+TrainOptions untrained(const TemporaryFolder& folder, std::vector<std::filesystem::path> priors) {
   TrainOptions o;
   o.task = Task::kFinetune;
   o.data = folder / "data";
@@ -25,7 +24,14 @@ TEST(Residual, ARunBeginsWhereItsPriorsAre) {
   o.quiet = true;
   o.residual = true;
   o.guidance = Guidance::kPriors;
-  o.priors = weights_in(folder, false);
+  o.priors = std::move(priors);
+  return o;
+}
+
+TEST(Residual, ARunBeginsWhereItsPriorsAre) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 1, 1, 16);
+  const TrainOptions o = untrained(folder, weights_in(folder, false));
   train(o);
   std::vector<std::filesystem::path> all = o.priors;
   all.push_back(o.run);
@@ -40,6 +46,25 @@ TEST(Residual, ARunBeginsWhereItsPriorsAre) {
   other.residual = false;
   other.from = o.run;
   expect_message(input_error_of([&] { train(other); }), {"is another network", "residual finetune"});
+}
+
+// The joint network guides it as three priors do; both together are one estimator, in any order.
+TEST(Residual, IsGuidedByAJointNetwork) {
+  TemporaryFolder folder;
+  write_ball_dataset(folder / "data", 1, 1, 16);
+  const TrainOptions o = untrained(folder, weights_of({Task::kJoint}, folder));
+  train(o);
+  const torch::Tensor input = torch::rand({1, 4, 16, 16}) * 2 - 1;
+  for (const auto& files : {std::vector<std::filesystem::path>{o.run, o.priors[0]}, {o.priors[0], o.run}}) {
+    const Estimator estimator(files);
+    EXPECT_TRUE(
+        torch::allclose(estimator.estimate(input).diffuse, estimator.from_priors(input).diffuse, 1e-4, 1e-5));
+    EXPECT_EQ(estimator.header().at("task"), "joint");
+  }
+  TrainOptions wrong = o;
+  wrong.run = folder / "wrong";
+  wrong.priors = weights_of({Task::kRss}, folder);
+  expect_message(input_error_of([&] { train(wrong); }), {"there is no geometry prior", "or joint"});
 }
 
 }  // namespace
