@@ -52,6 +52,7 @@ void vary(Example& example, const Augmentation& augmentation, uint64_t position)
 
 Batch next_batch(Loader& loader, int size) {
   std::vector<Example> examples;
+  examples.reserve(static_cast<size_t>(size));
   for (int i = 0; i < size; ++i) examples.push_back(loader.next());
   return joined(examples);
 }
