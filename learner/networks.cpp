@@ -273,6 +273,7 @@ JointNetImpl::JointNetImpl(int64_t out, double width) {
   for (size_t i = 0; i < 4; ++i) channels[i] = scaled_width(kWidths[i], width);
   const auto add_blocks = [&](const std::string& side, size_t level, int count) {
     std::vector<ResidualBlock> blocks;
+    blocks.reserve(static_cast<size_t>(count));
     for (int k = 0; k < count; ++k)
       blocks.push_back(register_module(side + std::to_string(level) + "_block" + std::to_string(k),
                                        ResidualBlock(channels[level])));

@@ -57,6 +57,7 @@ json run_header(const TrainOptions& o, const Dataset& dataset, const Split& spli
   if (o.guidance == Guidance::kPriors) header["priors"] = identity_of_priors(o.priors);
   if (o.recolour) header["recolour"] = true;
   if (o.balanced) header["balanced"] = true;
+  if (o.control_roughness != kGeometryRoughness) header["control_roughness"] = o.control_roughness;
   if (o.snapshots) header["snapshots"] = true;
   if (o.parts) header["parts"] = true;
   if (o.mix_lights) header["mix_lights"] = true;
@@ -71,7 +72,7 @@ json run_header(const TrainOptions& o, const Dataset& dataset, const Split& spli
 void check_same_run(const json& before, const json& now, const fs::path& file) {
   json wanted = now;
   for (const char* only_where_it_matters : {"schedule_steps", "recolour", "balanced", "snapshots", "parts",
-                                            "mix_lights", "average", "residual", "from"})
+                                            "mix_lights", "average", "residual", "from", "control_roughness"})
     if (before.contains(only_where_it_matters) && !now.contains(only_where_it_matters))
       wanted[only_where_it_matters] = nullptr;
   // Runs of versions before these were noted cannot be told apart by them.

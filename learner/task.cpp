@@ -9,7 +9,7 @@ namespace {
 
 using torch::Tensor;
 
-constexpr double kGeometryRoughness = 0.2, kGeometrySpecular = 0.5;
+constexpr double kGeometrySpecular = 0.5;
 constexpr double kAlbedoRoughness = 0.8, kAlbedoSpecular = 0.03;
 
 Tensor encoded_geometry(const MaterialMaps& maps) {
@@ -163,12 +163,12 @@ Tensor stored_values(const LearnedMap& map, const MaterialMaps& maps) {
   return map.encoding == "srgb" ? srgb_of(values) : values;
 }
 
-MaterialMaps controlled(Task task, MaterialMaps maps) {
+MaterialMaps controlled(Task task, MaterialMaps maps, double geometry_roughness) {
   const auto hold = [&](double roughness, double specular) {
     maps.roughness = torch::full_like(maps.roughness, roughness);
     maps.specular = torch::full_like(maps.specular, specular);
   };
-  if (task == Task::kGeometry) hold(kGeometryRoughness, kGeometrySpecular);
+  if (task == Task::kGeometry) hold(geometry_roughness, kGeometrySpecular);
   if (task == Task::kAlbedo) hold(kAlbedoRoughness, kAlbedoSpecular);
   return maps;
 }
@@ -215,7 +215,10 @@ Losses losses_of(Task task, const Tensor& output, const MaterialMaps& truth, con
   difference = difference * mask;
   Losses losses;
   losses.map = difference.sum() / (mask.sum() * static_cast<double>(output.size(1))).clamp_min(1e-6);
-  losses.render = rendering_loss(controlled(task, estimate), controlled(task, truth), mask, lights, options);
+  const auto held = [&](const MaterialMaps& maps) {
+    return controlled(task, maps, options.control_roughness);
+  };
+  losses.render = rendering_loss(held(estimate), held(truth), mask, lights, options);
   losses.total = losses.map + options.render_weight * losses.render;
   return losses;
 }

@@ -61,10 +61,12 @@ MaterialMaps maps_of(Task task, const torch::Tensor& output, MaterialMaps maps);
 /// A map of `maps` as its PNG holds it, in [0, 1]: LearnedMap::encoding.
 torch::Tensor stored_values(const LearnedMap& map, const MaterialMaps& maps);
 
+constexpr double kGeometryRoughness = 0.2;  // the paper's
+
 /// Controlled PBR rendering (CPR): the materials that a prior does not estimate are held, in truth and
-/// prediction alike, at values that make its own matter most. geometry: roughness 0.2, S 0.5; albedo:
+/// prediction alike, at values that make its own matter most. geometry: `geometry_roughness`, S 0.5; albedo:
 /// roughness 0.8, S 0.03; all others as in the truth.
-MaterialMaps controlled(Task task, MaterialMaps maps);
+MaterialMaps controlled(Task task, MaterialMaps maps, double geometry_roughness = kGeometryRoughness);
 
 /// Encoded sRGB to linear, for values in [0, 1].
 torch::Tensor linear_of(const torch::Tensor& srgb);
@@ -77,7 +79,8 @@ struct Losses {
 struct LossOptions {
   double render_weight = 1;
   shading::Options shading = {};
-  bool balanced = false;  // roughness, specular and sss count alike
+  bool balanced = false;                          // roughness, specular and sss count alike
+  double control_roughness = kGeometryRoughness;  // of CPR, geometry and joint
 };
 
 /// map: L1 of encoded outputs and truth (normals normalised first), averaged over channels and, by coverage,

@@ -220,8 +220,9 @@ Losses Trainer::losses_of_batch(const Batch& batch, int64_t number) {
   const auto lights = training_lights(key_of({options_.seed, kLightPlace, static_cast<uint64_t>(number)}));
   shading::Options shading;
   shading.log_domain = !options_.linear_render;
-  Losses losses = losses_of(options_.task, output, batch.truth, batch.mask, lights,
-                            {options_.render_weight, shading, options_.balanced});
+  shading.min_roughness = std::min(shading.min_roughness, options_.control_roughness);
+  const LossOptions loss = {options_.render_weight, shading, options_.balanced, options_.control_roughness};
+  Losses losses = losses_of(options_.task, output, batch.truth, batch.mask, lights, loss);
   if (ranks_.is_alone()) return losses;
   // The maps' loss is a mean by coverage, the rendering loss one over pixels of the foreground.
   const double covered = batch.mask.sum().item<double>(), pixels = (batch.mask > 0.5).sum().item<double>();

@@ -33,7 +33,7 @@ struct TrainOptions {
   double learning_rate = 1e-4, weight_decay = 0.01, clip = 1;
   int64_t warmup = 1000;  // steps of linear rise; at most a tenth of all
   bool cosine = false;    // then falls to 1e-6 at the last step; else constant, as in the paper
-  double render_weight = 1;
+  double render_weight = 1, control_roughness = kGeometryRoughness;
   bool linear_render = false;  // plain L1 of radiance, as in the paper, instead of ln(1 + x)
   bool mirror = false;         // half of the examples with left and right exchanged (not in the paper)
   bool balanced = false;       // see losses_of

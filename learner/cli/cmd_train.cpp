@@ -155,6 +155,11 @@ void add_losses(CLI::App& command, learner::TrainOptions& o) {
   command.add_option("--render-weight", o.render_weight, "weight of the rendering loss")
       ->check(program::number_within(0, 1e6))
       ->capture_default_str();
+  command
+      .add_option("--control-roughness", o.control_roughness,
+                  "geometry, joint: roughness of all surfaces in the rendering loss of normals")
+      ->check(program::number_within(0.02, 1))
+      ->capture_default_str();
   command.add_flag("--linear-render-loss", o.linear_render,
                    "L1 of radiance, as in the paper, not of ln(1 + radiance)");
   command.add_flag("--mirror", o.mirror,

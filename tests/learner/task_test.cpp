@@ -48,6 +48,7 @@ TEST(Task, ControlHoldsWhatAPriorDoesNotEstimate) {
   EXPECT_FLOAT_EQ(albedo.roughness.max().item<float>(), 0.8f);
   EXPECT_FLOAT_EQ(albedo.specular.min().item<float>(), 0.03f);
   EXPECT_TRUE(controlled(Task::kRss, maps).roughness.equal(maps.roughness));
+  EXPECT_FLOAT_EQ(controlled(Task::kGeometry, maps, 0.6).roughness.min().item<float>(), 0.6f);
 }
 
 // The invariant that the mean of both sides exists for: mirrored picture, mirrored maps.
@@ -102,6 +103,29 @@ TEST(Losses, CountTheForegroundOnly) {
   Tensor output = encoded_maps(Task::kRss, truth).clone();
   output.slice(3, 0, 8).fill_(0.77);
   EXPECT_NEAR(losses_of(Task::kRss, output, truth, mask, training_lights(1)).total.item<double>(), 0, 1e-6);
+}
+
+// A wrong normal, by the roughness asked for and by surfaces that have it.
+TEST(Losses, OfNormalsAreRenderedWithTheControlRoughness) {
+  const MaterialMaps truth = random_maps(1, 16, 16, torch::kFloat, 8);
+  const Tensor mask = torch::ones({1, 1, 16, 16});
+  const auto lights = training_lights(1);
+  const Tensor wrong = 0.8 * encoded_maps(Task::kGeometry, truth) + 0.1;
+  for (const double roughness : {0.3, 0.8}) {
+    LossOptions options;
+    options.control_roughness = roughness;
+    const auto with_it = [&](MaterialMaps maps) {
+      maps.roughness.fill_(roughness), maps.specular.fill_(0.5);
+      return maps;
+    };
+    EXPECT_NEAR(losses_of(Task::kGeometry, wrong, truth, mask, lights, options).render.item<double>(),
+                fused_rendering_loss(
+                    with_it(maps_of(Task::kGeometry, wrong, random_maps(1, 16, 16, torch::kFloat, 8))),
+                    with_it(random_maps(1, 16, 16, torch::kFloat, 8)), mask, lights)
+                    .item<double>(),
+                1e-6)
+        << roughness;
+  }
 }
 
 // Each part is judged as its prior would be, whatever the other parts are.

@@ -282,6 +282,9 @@ TEST(Training, RefusesToMixRuns) {
   o.resume = o.recolour = true;
   expect_message(input_error_of([&] { train(o); }), {"recolour", "unset", "true"});
   o.recolour = false;
+  o.control_roughness = 0.8;
+  expect_message(input_error_of([&] { train(o); }), {"control_roughness", "unset", "0.8"});
+  o.control_roughness = kGeometryRoughness;
   EXPECT_EQ(train(o).first_step, 3) << "a finished run stays as it is";
   // Views rendered again by other settings, or one more.
   const auto view = folder / "data" / "person0" / "view_000.exr";

@@ -69,6 +69,7 @@ TEST(UncertainNormals, AreLeftAloneByTheMapsAndByRoughSurfaces) {
   for (const auto& [x, y] : {std::pair{0.8, 0.4}, {0.5, 0.3}}) {
     EXPECT_LT(tilt_of_best_deg(spread_maps(x, y), 0.2, 0.5, 0), 3) << "maps alone";
     EXPECT_LT(tilt_of_best_deg(spread_maps(x, y), 0.8, 0.03, 1), 3) << "rough";
+    EXPECT_LT(tilt_of_best_deg(spread_maps(x, y), 0.8, 0.5, 1), 3) << "--control-roughness 0.8";
   }
 }
 
