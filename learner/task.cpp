@@ -218,7 +218,9 @@ Losses losses_of(Task task, const Tensor& output, const MaterialMaps& truth, con
   const auto held = [&](const MaterialMaps& maps) {
     return controlled(task, maps, options.control_roughness);
   };
-  losses.render = rendering_loss(held(estimate), held(truth), mask, lights, options);
+  losses.render = options.render_weight > 0
+                      ? rendering_loss(held(estimate), held(truth), mask, lights, options)
+                      : torch::zeros({}, output.options());
   losses.total = losses.map + options.render_weight * losses.render;
   return losses;
 }

@@ -85,7 +85,7 @@ struct LossOptions {
 
 /// map: L1 of encoded outputs and truth (normals normalised first), averaged over channels and, by coverage,
 /// over the foreground. render: fused_rendering_loss under CPR (on other devices than the CPU
-/// chunked_rendering_loss, the same). total = map + render_weight x render.
+/// chunked_rendering_loss, the same), 0 for no weight. total = map + render_weight x render.
 ///
 /// `balanced` (not in the paper) counts roughness, S and sss in units of the span that each has in the table
 /// of materials (0.6, 0.079, 0.08), and takes the mean of the absolute and the squared difference. S and sss

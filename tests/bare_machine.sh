@@ -67,7 +67,7 @@ on() {
     if [ -n "$2" ]; then
       mkdir -p "$0/ccache"
       mount --bind "$2" "$0/ccache"
-      settings+=(CCACHE_DIR=/ccache)
+      settings+=(CCACHE_DIR=/ccache ${LANG:+LANG=$LANG})  # entries are of a language
     fi
     code=0
     chroot "$0" /usr/bin/env -i "${settings[@]}" bash -c "$1" || code=$?

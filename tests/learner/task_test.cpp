@@ -105,6 +105,21 @@ TEST(Losses, CountTheForegroundOnly) {
   EXPECT_NEAR(losses_of(Task::kRss, output, truth, mask, training_lights(1)).total.item<double>(), 0, 1e-6);
 }
 
+TEST(Losses, AreNotRenderedForNothing) {
+  const MaterialMaps truth = random_maps(1, 16, 16, torch::kFloat, 9);
+  const Tensor mask = torch::ones({1, 1, 16, 16});
+  LossOptions maps_alone;
+  maps_alone.render_weight = 0;
+  for (const Task task : kTasks) {
+    const Tensor wrong = 0.9 * encoded_maps(task, truth) + 0.05;
+    const Losses losses = losses_of(task, wrong, truth, mask, training_lights(1), maps_alone);
+    const Losses rendered = losses_of(task, wrong, truth, mask, training_lights(1));
+    EXPECT_EQ(losses.render.item<float>(), 0) << name_of(task);
+    EXPECT_EQ(losses.total.item<float>(), rendered.map.item<float>()) << name_of(task);
+    EXPECT_GT(rendered.render.item<float>(), 0) << name_of(task);
+  }
+}
+
 // A wrong normal, by the roughness asked for and by surfaces that have it.
 TEST(Losses, OfNormalsAreRenderedWithTheControlRoughness) {
   const MaterialMaps truth = random_maps(1, 16, 16, torch::kFloat, 8);
