@@ -15,6 +15,7 @@
 #include "dataset/model/interrupt.h"
 #include "dataset/model/json_text.h"
 #include "learner/batch.h"
+#include "learner/constant_loss.h"
 #include "learner/hash.h"
 #include "learner/ranks.h"
 #include "learner/run_header.h"
@@ -37,7 +38,7 @@ enum Purpose : uint64_t {
 };
 constexpr double kGrace_s = 6;  // for the step under way, so that it can be saved
 constexpr int64_t kMaxSkippedInARow = 10;
-constexpr double kFinalRate = 1e-6;
+constexpr double kUniform = 0.01;  // loss of one value everywhere, below which maps have no more than that
 constexpr double kAverageDecay = 0.9995;  // two thousand steps
 
 /// What one step came to.
@@ -157,6 +158,7 @@ class Trainer {
   Losses losses_of_batch(const Batch& batch, int64_t number);
   void join(Step& result);
   Step step(const Batch& batch, int64_t number);
+  void warn_if_nothing_is_learnt(double map_loss, double constant_loss);
   void note(const json& event) {
     if (log_) log_->add(event);
   }
@@ -259,6 +261,16 @@ Step Trainer::step(const Batch& batch, int64_t number) {
   return result;
 }
 
+/// Too large a learning rate saturates a network: its loss stays finite, and stays.
+void Trainer::warn_if_nothing_is_learnt(double map_loss, double constant_loss) {
+  if (map_loss < constant_loss || constant_loss < kUniform) return;
+  note({{"event", "nothing learnt"}, {"map", map_loss}, {"constant", constant_loss}});
+  spdlog::warn(
+      "nothing learnt: the maps' loss of the last steps is {:.4f}, that of one value everywhere {:.4f}; "
+      "train longer, or with a lower --learning-rate",
+      map_loss, constant_loss);
+}
+
 void Trainer::save(int64_t step) {
   if (!ranks_.is_first()) return;
   const Finishing whole;
@@ -312,6 +324,7 @@ TrainReport Trainer::run() {
   TrainProgress progress(first_step_, steps_, options_.quiet);
   const int64_t tenth = std::max<int64_t>(1, (steps_ - first_step_) / 10);
   Means logged, first, last;
+  double constant = 0;
   int64_t in_a_row = 0;
   std::unique_ptr<StepProfile> profile;  // the first step, which makes threads and buffers, is left out
   for (int64_t number = first_step_ + 1; number <= steps_; ++number) {
@@ -322,7 +335,10 @@ TrainReport Trainer::run() {
     if (result.finite()) {
       logged.add(result);
       if (number - first_step_ <= tenth) first.add(result);
-      if (steps_ - number < tenth) last.add(result);
+      if (steps_ - number < tenth) {
+        last.add(result);
+        constant += constant_map_loss(options_.task, batch.truth, batch.mask, options_.balanced);
+      }
     } else {
       ++report.skipped;
       note_skipped(batch, number, in_a_row);
@@ -346,36 +362,13 @@ TrainReport Trainer::run() {
   report.first_loss = first.mean(first.total);
   report.last_loss = last.mean(last.total);
   finish(report);
+  if (last.count > 0 && ranks_.is_alone())
+    warn_if_nothing_is_learnt(last.mean(last.map), last.mean(constant));
   note({{"event", "done"}, {"step", steps_}, {"seconds", report.seconds}});
   return report;
 }
 
 }  // namespace
-
-void check_train_options(const TrainOptions& o) {
-  const auto refuse = [](const std::string& place, const std::string& cause) {
-    throw InputError("", place, cause, "see humanmaterial train --help");
-  };
-  if (o.size_px < kResolutionStep || o.size_px % kResolutionStep != 0)
-    refuse("--size " + std::to_string(o.size_px), "is no multiple of 16");
-  if (!(o.width >= 0.05 && o.width <= 4)) refuse("--width", "is not from 0.05 to 4");
-  if (o.batch < 1) refuse("--batch", "is below 1");
-  if (o.steps < 0 || (o.steps == 0 && o.epochs < 1)) refuse("--steps", "is below 1");
-  if (!(o.learning_rate > 0)) refuse("--learning-rate", "is not above 0");
-  if (o.guidance == Guidance::kPriors && o.task != Task::kFinetune)
-    refuse("--guidance priors", "is for finetune only");
-  if (o.guidance == Guidance::kPriors && o.priors.size() != 3 && o.priors.size() != 1)
-    refuse("--priors", "needs geometry, albedo and rss, or joint");
-}
-
-double learning_rate_at(const TrainOptions& o, int64_t step, int64_t steps) {
-  const int64_t warmup = std::min(o.warmup, steps / 10);
-  if (step <= warmup) return o.learning_rate * static_cast<double>(step) / static_cast<double>(warmup);
-  if (!o.cosine) return o.learning_rate;
-  const double share =
-      static_cast<double>(step - warmup) / static_cast<double>(std::max<int64_t>(1, steps - warmup));
-  return kFinalRate + (o.learning_rate - kFinalRate) * 0.5 * (1 + std::cos(share * shading::kPi));
-}
 
 /// Each step asks for the same blocks again: what is freed stays with the process, since giving it back to
 /// the system and getting it zeroed anew takes a tenth of a step.
