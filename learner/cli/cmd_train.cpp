@@ -23,26 +23,33 @@ struct Preset {
   std::vector<std::pair<const char*, const char*>> options;
 };
 const std::vector<Preset>& presets() {
-  static const std::vector<Preset> all = {
-      {"paper",
-       {{"--width", "1"},
-        {"--size", "512"},
-        {"--batch", "1"},
-        {"--learning-rate", "1e-4"},
-        {"--linear-render-loss", "true"}}},
-      // What the weights that come along were trained with (assets/train_open_weights.sh).
-      {"best",
-       {{"--batch", "2"},
-        {"--learning-rate", "5e-4"},
-        {"--render-weight", "0"},
-        {"--average", "true"},
-        {"--mirror", "true"},
-        {"--recolour", "true"},
-        {"--snapshots", "true"},
-        {"--parts", "true"},
-        {"--mix-lights", "true"},
-        {"--balanced", "true"},
-        {"--residual", "true"}}}};
+  static const std::vector<Preset> all = [] {
+    const Preset paper = {"paper",
+                          {{"--width", "1"},
+                           {"--size", "512"},
+                           {"--batch", "1"},
+                           {"--learning-rate", "1e-4"},
+                           {"--linear-render-loss", "true"}}};
+    // What the weights that come along were trained with (assets/train_open_weights.sh).
+    const Preset best = {"best",
+                         {{"--batch", "2"},
+                          {"--learning-rate", "5e-4"},
+                          {"--render-weight", "0"},
+                          {"--average", "true"},
+                          {"--mirror", "true"},
+                          {"--recolour", "true"},
+                          {"--snapshots", "true"},
+                          {"--parts", "true"},
+                          {"--mix-lights", "true"},
+                          {"--balanced", "true"},
+                          {"--residual", "true"}}};
+    // The joint network's: twice the rate of `best`, falling.
+    Preset fast = best;
+    fast.name = "fast";
+    fast.options[1].second = "1e-3";
+    fast.options.emplace_back("--cosine", "true");
+    return std::vector<Preset>{paper, best, fast};
+  }();
   return all;
 }
 
@@ -222,8 +229,7 @@ void add_train_command(CLI::App& app, Commands& commands) {
   add_seed_option(*command, commands.common);
   command->footer(program::help_footer(
       {"humanmaterial train geometry --data dataset --size 128 --width 0.25 --epochs 20 -o runs/geometry",
-       "humanmaterial train joint --preset best --learning-rate 1e-3 --cosine --steps 24000 --data dataset "
-       "-o runs/joint",
+       "humanmaterial train joint --preset fast --steps 24000 --data dataset -o runs/joint",
        "humanmaterial train finetune --data dataset --guidance priors --priors runs/geometry runs/albedo "
        "runs/rss -o runs/finetune"},
       "SIGINT and SIGTERM save and exit with 75; --resume goes on, bit for bit as if nothing had happened.\n"

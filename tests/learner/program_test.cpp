@@ -50,6 +50,14 @@ TEST(Program, PresetsAreOptionsThatOthersGoBefore) {
   EXPECT_EQ(header["batch"], 2);
   EXPECT_EQ(header["learning_rate"], 0.25) << "given";
   EXPECT_EQ(header["width"], 0.125);
+  words = training(folder, "2");
+  words[5] = folder / "fast";  // -o
+  for (const char* word : {"--preset", "fast"}) words.push_back(word);
+  ASSERT_EQ(run(folder, words).code, 0);
+  const nlohmann::json fast = read_checkpoint_header(*newest_checkpoint(folder / "fast"));
+  EXPECT_EQ(fast["learning_rate"], 1e-3);
+  EXPECT_EQ(fast["cosine"], true);
+  EXPECT_EQ(fast["render_weight"], 0);
   EXPECT_EQ(run(folder, {"train", "rss", "--preset", "cheap", "--data", "d", "-o", "o"}).code, 2);
 }
 
