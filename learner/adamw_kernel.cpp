@@ -9,7 +9,10 @@ namespace {
 template <bool kAverages>
 void update_all(const Step& step, const Arrays& a) {
   const float rest1 = 1 - step.beta1, rest2 = 1 - step.beta2;
-  float* const __restrict parameter = a.parameter, * const __restrict first = a.first, * const __restrict second = a.second, * const __restrict average = a.average;
+  float* const __restrict parameter = a.parameter;
+  float* const __restrict first = a.first;
+  float* const __restrict second = a.second;
+  float* const __restrict average = a.average;
   const float* const __restrict gradient = a.gradient;
   for (int64_t i = 0; i < a.count; ++i) {
     const float g = gradient[i];

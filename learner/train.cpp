@@ -362,7 +362,7 @@ TrainReport Trainer::run() {
   report.first_loss = first.mean(first.total);
   report.last_loss = last.mean(last.total);
   finish(report);
-  if (last.count > 0 && ranks_.is_alone())
+  if (last.count > 0 && ranks_.is_first())  // the constant's loss is of its part of the batches
     warn_if_nothing_is_learnt(last.mean(last.map), last.mean(constant));
   note({{"event", "done"}, {"step", steps_}, {"seconds", report.seconds}});
   return report;

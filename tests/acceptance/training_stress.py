@@ -65,6 +65,11 @@ def measured(data, test, out, steps, option, value, extra):
     return (*ours, norm, skipped, constant[0])
 
 
+def key_of(option, value, extra):
+    """One run may belong to several series."""
+    return (*{**DEFAULTS, option: value}.values(), *extra)
+
+
 def table(results):
     lines = ["| | | N, degrees | N, dB | largest gradient | steps skipped | |", "|---|---:|---:|---:|---:|---:|---|"]
     for (title, _, usual, values, _), row in zip(SERIES, results):
@@ -78,9 +83,9 @@ def table(results):
 def chart(results, file):
     constant = max(r[4] for row in results for r in row if r[4] is not None)
     text = f"set terminal svg size 1080,600 font 'sans,11' background 'white'\nset output '{file}'\nset multiplot layout 2,3\n"
-    text += "set logscale x\nset yrange [10:60]\nset grid lc rgb '#dddddd'\nset ylabel 'normals, degrees'\nset key off\n"
+    text += "set logscale x\nset yrange [15:40]\nset grid lc rgb '#dddddd'\nset ylabel 'normals, degrees'\nset key off\n"
     for (title, option, usual, values, _), row in zip(SERIES, results):
-        points = "\n".join(f"{v:.6g} {r[0] if r[0] is not None else 60}" for v, r in zip(values, row))
+        points = "\n".join(f"{v:.6g} {r[0] if r[0] is not None else 40}" for v, r in zip(values, row))
         text += f"$d << EOD\n{points}\nEOD\nset title '{title}'\nset xlabel '--{option}' noenhanced\n"
         text += f"set arrow 1 from {usual}, graph 0 to {usual}, graph 1 nohead dt 3 lc rgb '#999999'\n"
         text += f"plot [{min(values) / 1.3:g}:{max(values) * 1.3:g}] {constant} dt 2 lc rgb '#cc3333', $d with linespoints pt 7 lc rgb '#226699'\n"
@@ -93,15 +98,10 @@ def main():
     data, test, out = map(Path, sys.argv[1:4])
     steps = int(sys.argv[4]) if len(sys.argv) > 4 else 400
     out.mkdir(parents=True, exist_ok=True)
+    wanted = {key_of(option, value, extra): (option, value, extra) for _, option, _, values, extra in SERIES for value in values}
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
-        runs = {}  # the usual run is one of several series
-        for _, option, _, values, extra in SERIES:
-            for value in values:
-                key = (tuple(sorted({**DEFAULTS, option: value}.items())), extra)
-                if key not in runs:
-                    runs[key] = pool.submit(measured, data, test, out, steps, option, value, extra)
-        results = [[runs[(tuple(sorted({**DEFAULTS, option: value}.items())), extra)].result() for value in values]
-                   for _, option, _, values, extra in SERIES]
+        runs = {key: pool.submit(measured, data, test, out, steps, *run) for key, run in wanted.items()}
+        results = [[runs[key_of(option, value, extra)].result() for value in values] for _, option, _, values, extra in SERIES]
     (out / "training_stress.md").write_text(table(results))
     chart(results, out / "training_stress.svg")
     print(table(results))
