@@ -1,11 +1,10 @@
 #include "learner/adamw.h"
 
-#include <ATen/Parallel.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "learner/adamw_kernel.h"
+#include "learner/parallel_for.h"
 
 namespace ohb::learner {
 namespace {
@@ -20,7 +19,8 @@ void update_here(AdamW::State& s, const adamw_kernel::Step& step) {
                                     s.second.data_ptr<float>(),
                                     s.average.defined() ? s.average.data_ptr<float>() : nullptr,
                                     s.parameter.numel()};
-  at::parallel_for(0, all.count, kGrain, [&](int64_t begin, int64_t end) {
+  for_each((all.count + kGrain - 1) / kGrain, openmp_parallel_for, [&](int64_t part) {
+    const int64_t begin = part * kGrain, end = std::min(all.count, begin + kGrain);
     adamw_kernel::update(step,
                          {all.gradient + begin, all.parameter + begin, all.first + begin, all.second + begin,
                           all.average ? all.average + begin : nullptr, end - begin});

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "learner/conv.h"
+
 namespace ohb::learner {
 namespace {
 
@@ -40,7 +42,8 @@ int64_t parameter_count(const torch::nn::Module& module) {
 }
 
 int64_t count_multiplies(const std::function<void()>& forward) {
-  torch::NoGradGuard no_gradients;
+  const torch::NoGradGuard no_gradients;
+  const PlainConvolutions plain;
   g_multiplies = 0;
   const auto handle = at::addThreadLocalCallback(at::RecordFunctionCallback(nullptr, count)
                                                      .needsInputs(true)

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "learner/conv.h"
 #include "learner/norm_silu.h"
 
 namespace ohb::learner {
@@ -42,6 +43,12 @@ Tensor doubled(const Tensor& x) {
                                .size(std::vector<int64_t>{2 * x.size(2), 2 * x.size(3)})
                                .mode(torch::kBilinear)
                                .align_corners(false));
+}
+
+/// Maps in [0, 1] as inputs in [-1, 1]. Their background means nothing: it is set to the middle. `mask` as
+/// 2x - 1.
+Tensor foreground_of(const Tensor& maps, const Tensor& mask) {
+  return (2 * maps - 1) * (0.5 * (mask + 1));
 }
 
 /// (B, C, h, w) to (B, h w, C).
@@ -87,7 +94,7 @@ ConvBlockImpl::ConvBlockImpl(int64_t in, int64_t out, Scale block_scale)
 Tensor ConvBlockImpl::forward(Tensor x) {
   x = pointwise(x, mix->weight, mix->bias);
   if (scale == Scale::kUp) x = doubled(x);
-  return activated(conv(x), norm);
+  return activated(conv3x3(x, conv), norm);
 }
 
 GuidanceEncoderImpl::GuidanceEncoderImpl(int64_t in, double width) {
@@ -193,7 +200,7 @@ Tensor DecoderImpl::forward(Tensor x, const std::array<Tensor, 5>& skips,
     x = i < 3 ? torch::cat({x, skips[3 - i], guidance[2 - i]}, 1) : torch::cat({x, skips[0]}, 1);
   }
   x = pointwise(x, merge->weight, merge->bias);
-  for (int i = 0; i < 6; i += 2) x = x + refine[i + 1](torch::silu(refine[i](x)));
+  for (int i = 0; i < 6; i += 2) x = x + conv3x3(torch::silu(conv3x3(x, refine[i])), refine[i + 1]);
   x = torch::silu(pointwise(x, hidden->weight, hidden->bias));
   return pointwise(x, output->weight, output->bias);
 }
@@ -213,9 +220,8 @@ Tensor PriorNetImpl::forward(Tensor input) {
   return torch::sigmoid(decoder(fusion(features[4], std::vector<Tensor>{hints[2]}), features, hints));
 }
 
-FinetuneNetImpl::FinetuneNetImpl(double width, bool adds)
-    : residual(adds),
-      encoder(register_module("encoder", LatentEncoder(4, width))),
+FinetuneNetImpl::FinetuneNetImpl(double width)
+    : encoder(register_module("encoder", LatentEncoder(4, width))),
       fusion(register_module("fusion", FusionBlock(scaled_width(kEncoderWidths[4], width),
                                                    scaled_width(kGuidanceWidths[2], width)))) {
   for (size_t i = 0; i < kChannels.size(); ++i) {
@@ -223,10 +229,6 @@ FinetuneNetImpl::FinetuneNetImpl(double width, bool adds)
     guidance[i] =
         register_module(std::string("guidance_") + kNames[i], GuidanceEncoder(kChannels[i] + 1, width));
     decoders[i] = register_module(std::string("decoder_") + kNames[i], Decoder(kChannels[i], width));
-    if (!residual) continue;
-    const torch::NoGradGuard no_gradients;
-    decoders[i]->output->weight.zero_();
-    decoders[i]->output->bias.zero_();
   }
 }
 
@@ -235,9 +237,7 @@ Tensor FinetuneNetImpl::forward(Tensor input, const Tensor& maps) {
   check_input(maps, 7 + rss_channels());
   input = input.contiguous(torch::MemoryFormat::ChannelsLast);
   const Tensor mask = input.slice(1, 3, 4);
-  // The background of the maps means nothing: it is set to the middle.
-  const Tensor signed_maps =
-      ((2 * maps - 1) * (0.5 * (mask + 1))).contiguous(torch::MemoryFormat::ChannelsLast);
+  const Tensor signed_maps = foreground_of(maps, mask).contiguous(torch::MemoryFormat::ChannelsLast);
   const std::array<Tensor, 5> features = encoder(input);
   std::array<std::array<Tensor, 3>, 4> hints;
   std::vector<Tensor> tokens;
@@ -250,9 +250,7 @@ Tensor FinetuneNetImpl::forward(Tensor input, const Tensor& maps) {
   const Tensor latent = fusion(features[4], tokens);
   std::vector<Tensor> outputs;
   for (size_t i = 0; i < kChannels.size(); ++i) outputs.push_back(decoders[i](latent, features, hints[i]));
-  Tensor logits = torch::cat(outputs, 1);
-  if (residual) logits = logits + torch::logit(maps.clamp(kLeastGuidance, 1 - kLeastGuidance));
-  return torch::sigmoid(logits);
+  return torch::sigmoid(torch::cat(outputs, 1));
 }
 
 ResidualBlockImpl::ResidualBlockImpl(int64_t channels) {
@@ -264,11 +262,12 @@ ResidualBlockImpl::ResidualBlockImpl(int64_t channels) {
 
 Tensor ResidualBlockImpl::forward(const Tensor& x) {
   Tensor change = x;
-  for (size_t i = 0; i < 2; ++i) change = conv[i](activated(change, norm[i]));
+  for (size_t i = 0; i < 2; ++i) change = conv3x3(activated(change, norm[i]), conv[i]);
   return x + change;
 }
 
-JointNetImpl::JointNetImpl(int64_t out, double width) {
+JointNetImpl::JointNetImpl(int64_t out, double width, bool takes_maps) : refines(takes_maps) {
+  const int64_t gathered = 4 * (4 + (refines ? out : 0));
   std::array<int64_t, 4> channels;
   for (size_t i = 0; i < 4; ++i) channels[i] = scaled_width(kWidths[i], width);
   const auto add_blocks = [&](const std::string& side, size_t level, int count) {
@@ -279,7 +278,7 @@ JointNetImpl::JointNetImpl(int64_t out, double width) {
                                        ResidualBlock(channels[level])));
     return blocks;
   };
-  stem = register_module("stem", conv1(4 * 4, channels[0], true));
+  stem = register_module("stem", conv1(gathered, channels[0], true));
   for (size_t i = 0; i < 4; ++i) {
     blocks_down[i] = add_blocks("down", i, kBlocksDown[i]);
     blocks_up[i] = add_blocks("up", i, kBlocksUp[i]);
@@ -289,16 +288,24 @@ JointNetImpl::JointNetImpl(int64_t out, double width) {
   }
   fusion = register_module("fusion", FusionBlock(channels[3], channels[2]));
   norm = register_module("norm", group_norm(channels[0]));
-  head = register_module("head", conv1(channels[0] + 4 * 4, 4 * out, true));
+  head = register_module("head", conv1(channels[0] + gathered, 4 * out, true));
+  if (!refines) return;
+  const torch::NoGradGuard no_gradients;
+  head->weight.zero_();
+  head->bias.zero_();
 }
 
-Tensor JointNetImpl::forward(Tensor input) {
+Tensor JointNetImpl::forward(Tensor input, const Tensor& maps) {
   check_input(input, 4);
+  if (refines) {
+    check_input(maps, head->options.out_channels() / 4);
+    input = torch::cat({input, foreground_of(maps, input.slice(1, 3, 4))}, 1);
+  }
   input = torch::pixel_unshuffle(input, 2).contiguous(torch::MemoryFormat::ChannelsLast);
   std::array<Tensor, 4> features;
   Tensor x = pointwise(input, stem->weight, stem->bias);
   for (size_t i = 0; i < 4; ++i) {
-    if (i > 0) x = down[i - 1](x);
+    if (i > 0) x = conv3x3(x, down[i - 1]);
     for (ResidualBlock& block : blocks_down[i]) x = block(x);
     features[i] = x;
   }
@@ -308,7 +315,9 @@ Tensor JointNetImpl::forward(Tensor input) {
     for (ResidualBlock& block : blocks_up[i]) x = block(x);
   }
   x = torch::cat({activated(x, norm), input}, 1);
-  return torch::sigmoid(torch::pixel_shuffle(pointwise(x, head->weight, head->bias), 2));
+  x = torch::pixel_shuffle(pointwise(x, head->weight, head->bias), 2);
+  if (refines) x = x + torch::logit(maps.clamp(kLeastGuidance, 1 - kLeastGuidance));
+  return torch::sigmoid(x);
 }
 
 }  // namespace ohb::learner

@@ -100,17 +100,13 @@ struct PriorNetImpl : torch::nn::Module {
 TORCH_MODULE(PriorNet);
 
 /// The finetuning model. `maps` (B, 10, H, W) in (0, 1) are the guidance: normal 3, displacement 1, diffuse
-/// 3, rss 3, as the priors put them out; the output has the same ten channels. `residual` (not in the paper):
-/// the logits of the guidance are added to the network's own, which begin at 0, so that an untrained network
-/// gives the guidance back (values within kLeastGuidance of 0 and 1 held there).
+/// 3, rss 3, as the priors put them out; the output has the same ten channels.
 struct FinetuneNetImpl : torch::nn::Module {
-  explicit FinetuneNetImpl(double width, bool residual = false);
+  explicit FinetuneNetImpl(double width);
   torch::Tensor forward(torch::Tensor input, const torch::Tensor& maps);
 
   static constexpr std::array<int64_t, 4> kChannels = {3, 1, 3, rss_channels()};
   static constexpr std::array<const char*, 4> kNames = {"normal", "displacement", "diffuse", "rss"};
-  static constexpr double kLeastGuidance = 1e-3;
-  bool residual;
   LatentEncoder encoder{nullptr};
   FusionBlock fusion{nullptr};
   std::array<GuidanceEncoder, 4> guidance{nullptr, nullptr, nullptr, nullptr};
@@ -132,10 +128,16 @@ TORCH_MODULE(ResidualBlock);
 /// gathered two by two at once, so that nothing but that runs at full size: 128 channels at 1/2, 256 at 1/4,
 /// 512 at 1/8 and 1024 at 1/16 at multiplier 1, residual blocks, skips that are added, and at 1/16 the
 /// transformer block, whose guidance is what the trunk saw at 1/8.
+///
+/// `refines`: it takes maps (B, out, H, W) in (0, 1) too, and their logits are added to its own, which begin
+/// at 0, so that an untrained network gives the maps back (values within kLeastGuidance of 0 and 1 held
+/// there).
 struct JointNetImpl : torch::nn::Module {
-  JointNetImpl(int64_t out, double width);
-  torch::Tensor forward(torch::Tensor input);
+  JointNetImpl(int64_t out, double width, bool refines = false);
+  torch::Tensor forward(torch::Tensor input, const torch::Tensor& maps = {});
 
+  static constexpr double kLeastGuidance = 1e-3;
+  bool refines;
   static constexpr std::array<int64_t, 4> kWidths = {128, 256, 512, 1024};
   static constexpr std::array<int, 4> kBlocksDown = {1, 1, 2, 1}, kBlocksUp = {1, 1, 1, 1};
   torch::nn::Conv2d stem{nullptr}, head{nullptr};

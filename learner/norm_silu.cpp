@@ -1,6 +1,5 @@
 #include "learner/norm_silu.h"
 
-#include <ATen/Parallel.h>
 #include <ATen/record_function.h>
 #include <torch/csrc/jit/frontend/tracer.h>
 
@@ -14,12 +13,6 @@ using torch::autograd::AutogradContext;
 using torch::autograd::variable_list;
 
 constexpr auto kLast = torch::MemoryFormat::ChannelsLast;
-
-void parallel_for(int64_t count, void (*body)(int64_t, void*), void* context) {
-  at::parallel_for(0, count, 1, [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) body(i, context);
-  });
-}
 
 norm_silu_kernel::Shape shape_of(const Tensor& x, int64_t groups) {
   return {x.size(0), x.size(2) * x.size(3), x.size(1), groups};
@@ -38,7 +31,7 @@ class NormSilu : public torch::autograd::Function<NormSilu> {
     norm_silu_kernel::forward(shape_of(x, groups),
                               {x.data_ptr<float>(), gain.data_ptr<float>(), offset.data_ptr<float>(), epsilon,
                                y.data_ptr<float>(), mean.data_ptr<float>(), inverse.data_ptr<float>()},
-                              parallel_for);
+                              openmp_parallel_for);
     context->save_for_backward({x, gain, offset, mean, inverse});
     return y;
   }
@@ -54,7 +47,7 @@ class NormSilu : public torch::autograd::Function<NormSilu> {
         {x.data_ptr<float>(), y_gradient.data_ptr<float>(), gain.data_ptr<float>(),
          saved[2].data_ptr<float>(), saved[3].data_ptr<float>(), saved[4].data_ptr<float>(),
          x_gradient.data_ptr<float>(), gain_gradient.data_ptr<float>(), offset_gradient.data_ptr<float>()},
-        parallel_for);
+        openmp_parallel_for);
     return {x_gradient, Tensor(), gain_gradient, offset_gradient, Tensor()};
   }
 };
@@ -67,10 +60,6 @@ Tensor norm_silu(const Tensor& x, int64_t groups, const Tensor& gain, const Tens
       gain.scalar_type() != torch::kFloat)
     return torch::silu(torch::group_norm(x, groups, gain, offset, epsilon));
   return NormSilu::apply(x, groups, gain.contiguous(), offset.contiguous(), epsilon);
-}
-
-Tensor pointwise(const Tensor& x, const Tensor& weight, const Tensor& bias) {
-  return torch::linear(x.permute({0, 2, 3, 1}), weight.flatten(1), bias).permute({0, 3, 1, 2});
 }
 
 }  // namespace ohb::learner

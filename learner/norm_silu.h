@@ -11,9 +11,4 @@ namespace ohb::learner {
 torch::Tensor norm_silu(const torch::Tensor& x, int64_t groups, const torch::Tensor& gain,
                         const torch::Tensor& offset, double epsilon);
 
-/// A 1x1 convolution as a matrix product over pixels (channels last): weight (out, in, 1, 1), bias (out) or
-/// undefined. libtorch 1.13 does it by one product an image over planes, in the backward pass at a third of
-/// the speed.
-torch::Tensor pointwise(const torch::Tensor& x, const torch::Tensor& weight, const torch::Tensor& bias);
-
 }  // namespace ohb::learner

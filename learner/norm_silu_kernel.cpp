@@ -54,12 +54,6 @@ struct Runs {
   int64_t a_image;
 };
 
-template <typename Body>
-void for_each_run(const Runs& runs, ParallelFor parallel_for, Body body) {
-  parallel_for(
-      runs.count(), [](int64_t i, void* context) { (*static_cast<Body*>(context))(i); }, &body);
-}
-
 /// Means and squared deviations from them, of `width` neighbouring channels in one run. Sums of a constant
 /// number of channels stay in registers.
 template <typename Width>
@@ -197,7 +191,7 @@ void forward(const Shape& shape, const Forward& f, ParallelFor parallel_for) {
   const Runs runs(shape);
   const int64_t channels = shape.channels;
   std::vector<float> means(runs.count() * channels), squares(runs.count() * channels);
-  for_each_run(runs, parallel_for, [&](int64_t run) {
+  for_each(runs.count(), parallel_for, [&](int64_t run) {
     moments_of_run(f.x + runs.offset(run), runs.pixels(run), channels, &means[run * channels],
                    &squares[run * channels]);
   });
@@ -205,7 +199,7 @@ void forward(const Shape& shape, const Forward& f, ParallelFor parallel_for) {
   std::vector<Line> lines;
   for (int64_t i = 0; i < shape.images; ++i)
     lines.emplace_back(shape, i, f.gain, f.offset, f.mean, f.inverse_deviation);
-  for_each_run(runs, parallel_for, [&](int64_t run) {
+  for_each(runs.count(), parallel_for, [&](int64_t run) {
     silu_of_run(f.x + runs.offset(run), runs.pixels(run), lines[runs.image(run)], f.y + runs.offset(run));
   });
 }
@@ -220,7 +214,7 @@ void backward(const Shape& shape, const Backward& b, ParallelFor parallel_for) {
     norms.emplace_back(shape, i, ones.data(), zeros.data(), b.mean, b.inverse_deviation);
   }
   std::vector<float> sums(runs.count() * channels), products(runs.count() * channels);
-  for_each_run(runs, parallel_for, [&](int64_t run) {
+  for_each(runs.count(), parallel_for, [&](int64_t run) {
     const Line &line = lines[runs.image(run)], &norm = norms[runs.image(run)];
     slopes_of_run(b.x + runs.offset(run), b.y_gradient + runs.offset(run), runs.pixels(run), channels,
                   {line.scale.data(), line.shift.data(), norm.scale.data(), norm.shift.data(),
@@ -242,7 +236,7 @@ void backward(const Shape& shape, const Backward& b, ParallelFor parallel_for) {
     }
     centrings.emplace_back(shape, b, image, sum, product);
   }
-  for_each_run(runs, parallel_for, [&](int64_t run) {
+  for_each(runs.count(), parallel_for, [&](int64_t run) {
     const Centring& centring = centrings[runs.image(run)];
     centre_run(b.x + runs.offset(run), runs.pixels(run), lines[runs.image(run)].scale, centring,
                b.x_gradient + runs.offset(run));

@@ -3,7 +3,7 @@
 // convolutions of few channels need.
 #pragma once
 
-#include <cstdint>
+#include "learner/parallel_for.h"
 
 namespace ohb::learner::norm_silu_kernel {
 
@@ -11,9 +11,6 @@ namespace ohb::learner::norm_silu_kernel {
 struct Shape {
   int64_t images = 0, pixels = 0, channels = 0, groups = 0;
 };
-
-/// Runs body(i) for i in [0, count), in any order, on any threads.
-using ParallelFor = void (*)(int64_t count, void (*body)(int64_t i, void* context), void* context);
 
 /// What `forward` reads and writes.
 struct Forward {

@@ -82,14 +82,14 @@ Task task_from_name(const std::string& name) {
 }
 
 torch::nn::Module& Network::module() const {
-  if (task == Task::kFinetune) return *finetune.ptr();
-  if (task == Task::kJoint) return *joint.ptr();
+  if (joint) return *joint.ptr();
+  if (finetune) return *finetune.ptr();
   return *prior.ptr();
 }
 
 Tensor Network::forward(const Tensor& input, const Tensor& guidance) const {
-  if (task == Task::kFinetune) return finetune.ptr()->forward(input, guidance);
-  if (task == Task::kJoint) return joint.ptr()->forward(input);
+  if (joint) return joint.ptr()->forward(input, guidance);
+  if (finetune) return finetune.ptr()->forward(input, guidance);
   return prior.ptr()->forward(input);
 }
 
@@ -109,10 +109,10 @@ Tensor two_sided_output(Task task, const std::function<Tensor(const Tensor&)>& n
 
 Network make_network(Task task, double width, bool residual) {
   Network network{task, width, task == Task::kFinetune && residual};
-  if (task == Task::kFinetune)
-    network.finetune = FinetuneNet(width, residual);
-  else if (task == Task::kJoint)
-    network.joint = JointNet(output_channels(task), width);
+  if (task == Task::kJoint || network.residual)
+    network.joint = JointNet(output_channels(task), width, network.residual);
+  else if (task == Task::kFinetune)
+    network.finetune = FinetuneNet(width);
   else
     network.prior = PriorNet(output_channels(task), width);
   return network;

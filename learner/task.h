@@ -25,10 +25,10 @@ Task task_from_name(const std::string& name);
 struct Network {
   Task task;
   double width;
-  bool residual;                  // finetune: FinetuneNetImpl::residual
+  bool residual;                  // finetune: a joint network that refines, not the paper's network
   PriorNet prior{nullptr};        // geometry, albedo, rss
   FinetuneNet finetune{nullptr};  // finetune
-  JointNet joint{nullptr};        // joint
+  JointNet joint{nullptr};        // joint, residual finetune
 
   torch::nn::Module& module() const;
   /// `guidance` (B, 10, H, W) is used by finetune only. Output: (B, output_channels(task), H, W) in (0, 1).

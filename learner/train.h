@@ -42,7 +42,7 @@ struct TrainOptions {
   bool parts = false;          // parts of people: windows of samples larger than size_px (not in the paper)
   bool mix_lights = false;     // more lights than were rendered: see mixed_light (not in the paper)
   bool average = false;        // the weights are averages over the last steps (not in the paper)
-  bool residual = false;       // finetune: see FinetuneNetImpl (not in the paper)
+  bool residual = false;       // finetune: see JointNetImpl::refines (not in the paper)
   Guidance guidance = Guidance::kTruth;
   std::vector<std::filesystem::path> priors;  // for Guidance::kPriors, as PriorSet takes them
   uint64_t seed = 1;

@@ -7,7 +7,7 @@
 namespace ohb {
 namespace {
 
-constexpr double kQuietSeconds = 2, kRedrawSeconds = 0.2;
+constexpr double kQuietSeconds = 2, kRedrawSeconds = 0.2, kLineSeconds = 60;
 constexpr int kBarWidth = 30;
 
 double seconds_between(std::chrono::steady_clock::time_point a, std::chrono::steady_clock::time_point b) {
@@ -35,8 +35,8 @@ void Progress::add(size_t steps) {
   const std::lock_guard<std::mutex> lock(mutex_);
   done_ += steps;
   const auto now = std::chrono::steady_clock::now();
-  if (quiet_ || !terminal_ || seconds_between(start_, now) < kQuietSeconds ||
-      seconds_between(last_drawn_, now) < kRedrawSeconds)
+  if (quiet_ || seconds_between(start_, now) < kQuietSeconds ||
+      seconds_between(last_drawn_, now) < (terminal_ ? kRedrawSeconds : kLineSeconds))
     return;
   last_drawn_ = now;
   draw(seconds_between(start_, now));
@@ -53,8 +53,8 @@ void Progress::draw(double seconds) {
   for (int i = 0; i < kBarWidth; ++i) bar[i] = i < share * kBarWidth ? '#' : '.';
   bar[kBarWidth] = 0;
   const double left = share > 0 ? seconds * (1 - share) / share : 0;
-  std::fprintf(stderr, "\r%s [%s] %3.0f %%  %.0f s left %s   ", label_.c_str(), bar, 100 * share, left,
-               note_.c_str());
+  std::fprintf(stderr, "%s%s [%s] %3.0f %%  %.0f s left %s%s", terminal_ ? "\r" : "", label_.c_str(), bar,
+               100 * share, left, note_.c_str(), terminal_ ? "   " : "\n");
 }
 
 }  // namespace ohb

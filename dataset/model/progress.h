@@ -8,7 +8,7 @@
 
 namespace ohb {
 
-/// Draws on a terminal only (or one line at the end elsewhere). Thread-safe.
+/// Redrawn on a terminal; elsewhere a line a minute and one at the end. Thread-safe.
 class Progress {
  public:
   /// `quiet` draws nothing.

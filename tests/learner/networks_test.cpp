@@ -67,7 +67,7 @@ TEST(JointNet, TakesAFifthOfThePapersMultiplies) {
   for (const double width : {0.25, 1.0}) {
     PriorNet prior(4, width);
     FinetuneNet finetune(width);
-    JointNet joint(10, width);
+    JointNet joint(10, width), refining(10, width, true);
     const auto input = [](int64_t size) { return torch::zeros({1, 4, size, size}); };
     const int64_t papers = 3 * multiplies_at([&](int64_t size) { prior(input(size)); }, 128) +
                            multiplies_at(
@@ -78,6 +78,12 @@ TEST(JointNet, TakesAFifthOfThePapersMultiplies) {
     const int64_t ours = multiplies_at([&](int64_t size) { joint(input(size)); }, 128);
     std::printf("width %g: joint %.2f G of %.2f G\n", width, ours / 1e9, papers / 1e9);
     EXPECT_LE(5 * ours, papers) << width;
+    const int64_t with_maps = multiplies_at(
+        [&](int64_t size) {
+          refining(input(size), torch::zeros({1, 10, size, size}));
+        },
+        128);
+    EXPECT_LE(with_maps, 1.1 * ours) << width;
   }
 }
 
@@ -117,28 +123,32 @@ TEST(FinetuneNet, IgnoresTheMapsBackground) {
   EXPECT_TRUE(before.equal(net(input, maps)));
 }
 
-// What it is for: before it has learnt anything it does no harm, and its first gradients say what to change.
-TEST(FinetuneNet, GivesItsGuidanceBackWhereItAddsToItAndHasNotLearnt) {
-  FinetuneNet net(0.125, true);
+// What refining is for: before it has learnt anything it does no harm, and its first gradients say what to
+// change.
+TEST(JointNet, GivesItsMapsBackWhereItRefinesAndHasNotLearnt) {
+  JointNet net(10, 0.125, true);
   const Tensor input = torch::rand({2, 4, 32, 32}) * 2 - 1, maps = torch::rand({2, 10, 32, 32});
   const Tensor output = net(input, maps);
-  const double least = FinetuneNetImpl::kLeastGuidance;
+  const double least = JointNetImpl::kLeastGuidance;
   EXPECT_TRUE(torch::allclose(output, maps.clamp(least, 1 - least), 1e-5, 1e-6));
   (output - 0.5).square().sum().backward();
-  for (const auto& decoder : net->decoders)
-    EXPECT_GT(decoder->output->weight.grad().abs().max().item<float>(), 0);
+  EXPECT_GT(net->head->weight.grad().abs().max().item<float>(), 0);
   // Maps of 0 and 1 have no logit.
   EXPECT_TRUE(net(input, maps.round()).isfinite().all().item<bool>());
+  EXPECT_THROW(net(input, maps.slice(1, 0, 4)), std::invalid_argument);
 }
 
 TEST(Networks, EveryParameterGetsAGradient) {
   FinetuneNet net(0.125);
-  JointNet joint(10, 0.125);
-  const Tensor input = torch::rand({1, 4, 32, 32}) * 2 - 1;
-  net(input, torch::rand({1, 10, 32, 32})).square().sum().backward();
+  JointNet joint(10, 0.125), refining(10, 0.125, true);
+  torch::nn::init::normal_(refining->head->weight);  // at 0 nothing below it has a gradient
+  const Tensor input = torch::rand({1, 4, 32, 32}) * 2 - 1, maps = torch::rand({1, 10, 32, 32});
+  net(input, maps).square().sum().backward();
   joint(input).square().sum().backward();
+  refining(input, maps).square().sum().backward();
   for (const torch::nn::Module* module :
-       {static_cast<torch::nn::Module*>(net.get()), static_cast<torch::nn::Module*>(joint.get())})
+       {static_cast<torch::nn::Module*>(net.get()), static_cast<torch::nn::Module*>(joint.get()),
+        static_cast<torch::nn::Module*>(refining.get())})
     for (const auto& parameter : module->named_parameters())
       EXPECT_TRUE(parameter.value().grad().defined() &&
                   parameter.value().grad().abs().max().item<float>() > 0)
@@ -146,19 +156,28 @@ TEST(Networks, EveryParameterGetsAGradient) {
 }
 
 // Pixels that were gathered two by two come back to where they were: with all else cut off, the head's own
-// view of the picture decides each pixel by itself.
+// view of the picture, or of the maps that it refines, decides each pixel by itself.
 TEST(JointNet, SeesEachPixelWhereItPutsItOut) {
   torch::NoGradGuard no_gradients;
-  JointNet net(10, 0.125);
-  net->head->weight.zero_();
-  net->head->bias.zero_();
-  const int64_t trunk = net->head->weight.size(1) - 16;
-  // Output 0 at place p of the four is channel 1 of the input at place p.
-  for (int64_t p = 0; p < 4; ++p) net->head->weight[p][trunk + 4 + p].fill_(3);
-  const Tensor input = torch::rand({2, 4, 32, 48}) * 2 - 1;
-  const Tensor output = net(input);
-  EXPECT_TRUE(torch::allclose(output.select(1, 0), torch::sigmoid(3 * input.select(1, 1)), 1e-4, 1e-5));
-  EXPECT_TRUE(torch::allclose(output.slice(1, 1), torch::full_like(output.slice(1, 1), 0.5)));
+  const Tensor input = torch::rand({2, 4, 32, 48}) * 2 - 1, maps = 0.1 + 0.8 * torch::rand({2, 10, 32, 48});
+  for (const bool refines : {false, true}) {
+    JointNet net(10, 0.125, refines);
+    net->head->weight.zero_();
+    net->head->bias.zero_();
+    // Output 0 at place p of the four is channel 1 of the input, or of the maps, at place p.
+    const int64_t seen = refines ? 4 + 10 : 4, wanted = refines ? 4 + 1 : 1;
+    const int64_t trunk = net->head->weight.size(1) - 4 * seen;
+    for (int64_t p = 0; p < 4; ++p) net->head->weight[p][trunk + 4 * wanted + p].fill_(3);
+    const Tensor output = net(input, maps);
+    const Tensor covered = 0.5 * (input.select(1, 3) + 1);
+    const Tensor expected = refines
+                                ? torch::logit(maps.select(1, 0)) + 3 * (2 * maps.select(1, 1) - 1) * covered
+                                : 3 * input.select(1, 1);
+    EXPECT_TRUE(torch::allclose(output.select(1, 0), torch::sigmoid(expected), 1e-4, 1e-5)) << refines;
+    const Tensor others = output.slice(1, 1);
+    EXPECT_TRUE(torch::allclose(others, refines ? maps.slice(1, 1) : torch::full_like(others, 0.5)))
+        << refines;
+  }
 }
 
 }  // namespace

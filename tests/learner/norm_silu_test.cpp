@@ -91,15 +91,5 @@ TEST(NormSiluEdges, AnyNumberOfThreadsGivesTheSameBits) {
   for (int i = 0; i < 4; ++i) EXPECT_TRUE(torch::equal(one[i], three[i])) << i;
 }
 
-TEST(Pointwise, EqualsTheConvolution) {
-  torch::manual_seed(5);
-  const Tensor x = torch::randn({2, 20, 9, 7}, torch::kDouble).contiguous(torch::MemoryFormat::ChannelsLast);
-  const Tensor weight = torch::randn({12, 20, 1, 1}, torch::kDouble),
-               bias = torch::randn({12}, torch::kDouble);
-  EXPECT_LT((pointwise(x, weight, bias) - torch::conv2d(x, weight, bias)).abs().max().item<double>(), 1e-12);
-  EXPECT_LT((pointwise(x, weight, {}) - torch::conv2d(x, weight)).abs().max().item<double>(), 1e-12);
-  EXPECT_TRUE(pointwise(x, weight, bias).is_contiguous(torch::MemoryFormat::ChannelsLast));
-}
-
 }  // namespace
 }  // namespace ohb
