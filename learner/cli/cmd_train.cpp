@@ -230,8 +230,8 @@ void add_train_command(CLI::App& app, Commands& commands) {
   command->footer(program::help_footer(
       {"humanmaterial train geometry --data dataset --size 128 --width 0.25 --epochs 20 -o runs/geometry",
        "humanmaterial train joint --preset fast --steps 24000 --data dataset -o runs/joint",
-       "humanmaterial train finetune --preset fast --steps 6500 --data dataset --guidance priors --priors "
-       "runs/geometry runs/albedo runs/rss -o runs/finetune"},
+       "humanmaterial train finetune --data dataset --guidance priors --priors runs/geometry runs/albedo "
+       "runs/rss -o runs/finetune"},
       "SIGINT and SIGTERM save and exit with 75; --resume goes on, bit for bit as if nothing had happened.\n"
       "RANK, WORLD_SIZE, MASTER_ADDR and MASTER_PORT, as torchrun sets them, make several processes one "
       "training."));

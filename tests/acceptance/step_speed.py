@@ -196,19 +196,19 @@ def python_step_s(layout, width, size, batch):
 
 
 def bare_s(width, size, batch):
-    """Of the network's convolutions, which the program has in this layout; those of one pixel are matrix products there."""
+    """Of the network's convolutions by libtorch in the program's layout, forward and backward."""
     network, shapes = Prior(3, width), []
     for module in network.modules():
-        if isinstance(module, nn.Conv2d) and module.kernel_size == (3, 3):
-            module.register_forward_hook(lambda m, x, _: shapes.append((x[0].shape, m.out_channels, m.stride[0])))
+        if isinstance(module, nn.Conv2d):
+            module.register_forward_hook(lambda m, x, _: shapes.append((x[0].shape, m.weight.shape, m.stride[0])))
     with torch.no_grad():
         network(torch.rand(batch, 4, size, size))
     last, seconds = {"memory_format": torch.channels_last}, 0
-    for shape, channels, stride in shapes:
+    for shape, of_weight, stride in shapes:
         x = torch.rand(shape).contiguous(**last).requires_grad_()
-        weight = torch.rand(channels, shape[1], 3, 3).contiguous(**last).requires_grad_()
-        gradient = torch.rand(shape[0], channels, shape[2] // stride, shape[3] // stride).contiguous(**last)
-        once = lambda x=x, w=weight, s=stride, g=gradient: torch.autograd.grad(F.conv2d(x, w, None, s, 1), (x, w), g)
+        weight = torch.rand(of_weight).contiguous(**last).requires_grad_()
+        gradient = torch.rand(shape[0], of_weight[0], shape[2] // stride, shape[3] // stride).contiguous(**last)
+        once = lambda x=x, w=weight, s=stride, g=gradient: torch.autograd.grad(F.conv2d(x, w, None, s, w.shape[2] // 2), (x, w), g)
         once()
         seconds += median_s(once, 3)
     return seconds
@@ -248,7 +248,7 @@ def main():
         print(f"| width {width:g}, {size} px, batch {batch}, {threads} threads | s a step |\n|---|---:|")
         for label, seconds in rows.items():
             print(f"| {label} | {statistics.median(seconds):.3f} ({min(seconds):.3f} to {max(seconds):.3f}) |")
-        print(f"| its 3 x 3 convolutions | {statistics.median(convolutions):.3f} |\n| the same bare | {statistics.median(bare):.3f} |")
+        print(f"| its convolutions | {statistics.median(convolutions):.3f} |\n| the same bare | {statistics.median(bare):.3f} |")
 
 
 if __name__ == "__main__":
