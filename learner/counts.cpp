@@ -17,7 +17,7 @@ int64_t multiplies_of(const at::RecordFunction& function) {
   const char* name = function.name();
   const auto inputs = function.inputs();
   const auto tensor = [&](size_t i) { return inputs[i].toTensor(); };
-  const auto outputs = function.outputs();
+  const auto& outputs = function.outputs();
   if (std::strcmp(name, "aten::convolution") == 0) {
     // Each output value sums over the weight of one output channel.
     const at::Tensor weight = tensor(1);
