@@ -9,7 +9,7 @@ namespace ohb::learner {
 /// Runs body(i, context) for i in [0, count), in any order, on any threads.
 using ParallelFor = void (*)(int64_t count, void (*body)(int64_t i, void* context), void* context);
 
-/// On OpenMP's threads, as many as torch::set_num_threads has set.
+/// On OpenMP's threads, as many as torch::get_num_threads says.
 void openmp_parallel_for(int64_t count, void (*body)(int64_t i, void* context), void* context);
 
 /// The same for any callable.
