@@ -50,9 +50,20 @@ std::string unknown(const std::string& kind, const std::string& word, const std:
   return "there is no " + kind + " '" + word + "'" + (meant ? "; did you mean '" + *meant + "'?" : "");
 }
 
+/// What is said of an option that takes one value and was given several, or "".
+std::string given_again(const CLI::App& command) {
+  for (const CLI::Option* option : command.get_options())
+    if (option->get_items_expected_max() == 1 && option->results().size() > 1)
+      return option->get_name() + " is given " + std::to_string(option->results().size()) +
+             " times: give it once";
+  return "";
+}
+
 /// CLI11 reports a misspelt command or option as a missing one, if something required is missing with it.
 std::string words_of(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = deepest(app);
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && !given_again(command).empty())
+    return given_again(command);
   const std::vector<std::string> left = command.remaining();
   const auto option = std::find_if(left.begin(), left.end(),
                                    [](const std::string& word) { return word.size() > 1 && word[0] == '-'; });

@@ -113,6 +113,16 @@ class Options(unittest.TestCase):
         self.assertEqual(result.returncode, BAD_INPUT)
         self.assertNotIn("did you mean", result.stderr)
 
+    def test_one_value_is_not_chosen_from_two(self):
+        cases = [("openhumanbrdf", "render model --spp 4 --spp 8 --spp=2 -o out", "--spp is given 3 times: give it once")]
+        if Programs.learner:
+            cases.append(("humanmaterial", "train rss --width 1 --width 2 --data d -o o", "--width is given 2 times: give it once"))
+        for program, line, words in cases:
+            result = run([program, *line.split()])
+            self.assertEqual(result.returncode, BAD_INPUT, line)
+            self.assertIn(words, result.stderr, line)
+            self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+
     def test_an_empty_word_is_not_taken_for_none(self):
         """As `--faces "$FACES"` gives, where FACES is not set."""
         cases = [("openhumanbrdf", "label scan.obj --faces @ -o out", "--faces"), ("openhumanbrdf", "inspect @", "SCAN"),
