@@ -15,12 +15,6 @@ using nlohmann::json;
 
 constexpr size_t kNameWidth = 18;
 
-double material_mean(const Scores& scores, double Psnr::*value) {
-  double sum = 0;
-  for (size_t i = 0; i < kMaps.size(); ++i) sum += scores[i].*value;
-  return sum / static_cast<double>(kMaps.size());
-}
-
 /// "| name | ... |" and the line below it.
 std::string head_of(const std::string& name, const std::vector<std::string>& columns) {
   std::string text = fmt::format("| {:<{}} |", name, kNameWidth),
@@ -49,7 +43,7 @@ std::vector<std::string> psnr_columns() {
 std::vector<double> psnr_values(const Scores& scores, double Psnr::*value) {
   std::vector<double> values;
   for (const Psnr& score : scores) values.push_back(score.*value);
-  values.push_back(material_mean(scores, value));
+  values.push_back(maps_mean(scores, value));
   return values;
 }
 
@@ -142,8 +136,8 @@ json marks_json(const Marks& marks) {
   for (size_t i = 0; i < kColumns.size(); ++i)
     out[kColumns[i]] = {{"masked", json_number(marks.psnr[i].masked)},
                         {"full", json_number(marks.psnr[i].full)}};
-  out["maps_mean"] = {{"masked", json_number(material_mean(marks.psnr, &Psnr::masked))},
-                      {"full", json_number(material_mean(marks.psnr, &Psnr::full))}};
+  out["maps_mean"] = {{"masked", json_number(maps_mean(marks.psnr, &Psnr::masked))},
+                      {"full", json_number(maps_mean(marks.psnr, &Psnr::full))}};
   for (size_t i = 0; i < kMeasureCount; ++i)
     out["measures"][kMeasureNames[i]] = json_number(marks.measures[i]);
   return out;

@@ -40,6 +40,12 @@ std::array<Tensor, kColumns.size()> columns_of(const MaterialMaps& maps) {
   return columns;
 }
 
+double maps_mean(const Scores& scores, double Psnr::*value) {
+  double sum = 0;
+  for (size_t i = 0; i < kMaps.size(); ++i) sum += scores[i].*value;
+  return sum / static_cast<double>(kMaps.size());
+}
+
 Scores scores_of(const MaterialMaps& estimate, const MaterialMaps& truth, const Tensor& mask) {
   torch::NoGradGuard no_gradients;
   const auto mine = columns_of(estimate), wanted = columns_of(truth);

@@ -61,6 +61,8 @@ class MeanOf {
 /// One row's scores of one picture.
 using Scores = std::array<Psnr, kColumns.size()>;
 Scores scores_of(const MaterialMaps& estimate, const MaterialMaps& truth, const torch::Tensor& mask);
+/// Mean of the maps' columns, without the relit picture's: of Psnr::masked or Psnr::full.
+double maps_mean(const Scores& scores, double Psnr::*value);
 
 /// A cell of a table of at least `width` characters, with the bar after it: "  12.34 |"; a dash if not
 /// finite.

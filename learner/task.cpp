@@ -2,6 +2,7 @@
 
 #include "dataset/model/error.h"
 #include "learner/chunked_loss.h"
+#include "learner/counts.h"
 #include "learner/oracle.h"
 
 namespace ohb::learner {
@@ -116,6 +117,15 @@ Network make_network(Task task, double width, bool residual) {
   else
     network.prior = PriorNet(output_channels(task), width);
   return network;
+}
+
+int64_t multiplies_of(const Network& network, int64_t size_px) {
+  return multiplies_at(
+      [&](int64_t side_px) {
+        network.forward(torch::zeros({1, 4, side_px, side_px}),
+                        torch::zeros({1, output_channels(Task::kFinetune), side_px, side_px}));
+      },
+      size_px);
 }
 
 int64_t output_channels(Task task) {

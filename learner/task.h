@@ -38,6 +38,9 @@ struct Network {
 /// Freshly initialised; torch::manual_seed decides with what.
 Network make_network(Task task, double width, bool residual = false);
 
+/// Multiply-accumulates of one picture of size_px x size_px, as multiplies_at counts them.
+int64_t multiplies_of(const Network& network, int64_t size_px);
+
 /// The mean of a network's output and of the output for the mirrored picture, mirrored back: the maps of a
 /// mirror image are the mirror image of the maps, so that where the two differ both err. Twice the time.
 torch::Tensor two_sided_output(Task task, const std::function<torch::Tensor(const torch::Tensor&)>& network,

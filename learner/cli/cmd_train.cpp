@@ -72,12 +72,7 @@ struct Arguments {
 
 void print_size(const learner::TrainOptions& o) {
   const learner::Network network = learner::make_network(o.task, o.width, o.residual);
-  const int64_t multiplies = learner::multiplies_at(
-      [&](int64_t size) {
-        const int64_t maps = learner::output_channels(learner::Task::kFinetune);
-        network.forward(torch::zeros({1, 4, size, size}), torch::zeros({1, maps, size, size}));
-      },
-      o.size_px);
+  const int64_t multiplies = learner::multiplies_of(network, o.size_px);
   std::fprintf(stderr, "%s, width %g: %.2f million parameters, %.2f billion multiplies at %d x %d\n",
                learner::name_of(o.task), o.width,
                1e-6 * static_cast<double>(learner::parameter_count(network.module())),

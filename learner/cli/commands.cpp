@@ -31,6 +31,7 @@ void add_device_option(CLI::App& command, std::string& device) {
 void add_train_command(CLI::App& app, Commands& commands);
 void add_evaluate_command(CLI::App& app, Commands& commands);
 void add_stress_command(CLI::App& app, Commands& commands);
+void add_chart_command(CLI::App& app, Commands& commands);
 void add_estimate_command(CLI::App& app, Commands& commands);
 void add_relight_command(CLI::App& app, Commands& commands);
 void add_torchscript_command(CLI::App& app, Commands& commands);
@@ -39,6 +40,7 @@ void add_commands(CLI::App& app, Commands& commands) {
   add_train_command(app, commands);
   add_evaluate_command(app, commands);
   add_stress_command(app, commands);
+  add_chart_command(app, commands);
   add_estimate_command(app, commands);
   add_relight_command(app, commands);
   add_torchscript_command(app, commands);

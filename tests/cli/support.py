@@ -122,6 +122,8 @@ class Fixture:
                              *light, "--relight-spp", 4096 if heavy else 1, "-o", output],
                 "stress": [h, "stress", *self.estimate(output)[6:9], "--data", f / "samples", "--person", "scan", "--size", 64,
                            "--spp", 4096 if heavy else 1, "-o", output],
+                "chart of networks": [h, "chart", ROOT / "assets/weights", "--data", f / "samples", "--person", "scan",
+                                      "--size", 64, "-o", output],
                 "relight": [h, "relight", f / "maps", *light, "--size", 512 if heavy else 16, "--spp", 4096 if heavy else 1,
                             "-o", output.with_suffix(".png")],
             })

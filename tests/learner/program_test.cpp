@@ -30,7 +30,7 @@ TEST(Program, SaysWhatItIs) {
   const Result version = run(folder, {"--version"});
   EXPECT_EQ(version.code, 0);
   EXPECT_NE(version.out.find("libtorch"), std::string::npos) << version.out;
-  for (const char* command : {"train", "evaluate", "stress", "estimate", "relight", "torchscript"}) {
+  for (const char* command : {"train", "evaluate", "stress", "chart", "estimate", "relight", "torchscript"}) {
     const Result help = run(folder, {command, "--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_NE(help.out.find("Examples:"), std::string::npos) << help.out;
